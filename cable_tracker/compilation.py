@@ -26,7 +26,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.extending import register_jitable
 
-from cable_tracker.code_libraries import EntryCompiler, register_part
+from cable_tracker.numba_linking import EntryCompiler, register_part
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -20,7 +20,7 @@ from cable_tracker.cable.measure.picture.working_image import (
 )
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import HUGE, GivenState, draw_given_states
-from cable_tracker.cable.model.limits import StateLimits, state_limits, words_beyond_limits
+from cable_tracker.cable.model.limits import StateLimits, describe_limit_violations, state_limits
 from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -285,7 +285,7 @@ def _notice_of(given: GivenState, limits: StateLimits) -> str:
     """Return which limits a given state is moved into; empty if it is within them."""
     known = np.isfinite(given.sigma) | np.isnan(given.sigma)
     pose = np.where(known, given.state.to_array(), np.nan)[:POSE_SIZE]
-    beyond = words_beyond_limits(pose, limits)
+    beyond = describe_limit_violations(pose, limits)
     return f"the given start is limited: {beyond}" if beyond else ""
 
 

@@ -19,8 +19,8 @@ ALL_MAY_IMPORT = {
 }
 MAY_IMPORT = {
     "arrays": set(),
-    "code_libraries": set(),
-    "compilation": {"code_libraries"},
+    "numba_linking": set(),
+    "compilation": {"numba_linking"},
     "cholesky": set(),
     "errors": set(),
     "folder_lock": set(),
@@ -90,13 +90,13 @@ ORDER_WITHIN = {
         "multi_hypothesis_filter",
     ],
     "commands": [
-        "console", "options", "campaigns", "chase", "convert", "dds_profile",
+        "console", "options", "many_runs", "chase", "convert", "dds_profile",
         "dev", "evaluate", "gui", "label", "learn", "loop", "parameters", "simulate", "survey",
         "target", "track", "warm_up",
     ],
     "gui": ["subject", "session", "web", "labelling", "tracking"],
     "simulation": [
-        "setting_checks", "rendering", "borders", "motion", "dive", "cable_scene", "world_settings",
+        "settings", "rendering", "borders", "motion", "dive", "cable_scene",
         "scenarios", "worlds", "fading", "instruments", "live_world", "targets",
     ],
     "survey": [

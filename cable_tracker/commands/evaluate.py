@@ -9,15 +9,24 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from cable_tracker.commands.campaigns.cables import evaluate_cables, tuned_filters
-from cable_tracker.commands.campaigns.targets import (
+from cable_tracker.commands.console.terminal import print_left_out
+from cable_tracker.commands.many_runs.cables import evaluate_cables, tuned_filters
+from cable_tracker.commands.many_runs.targets import (
     chosen_methods,
     evaluate_targets,
     simulated_targets,
     tuned_targets,
 )
-from cable_tracker.commands.console.terminal import print_left_out
-from cable_tracker.commands.options.campaigns import (
+from cable_tracker.commands.options.common import (
+    ForceOption,
+    OutsideOption,
+    RateOption,
+    SkipOption,
+    TopicOption,
+    TruthOption,
+    refuse_without_effect,
+)
+from cable_tracker.commands.options.many_runs import (
     MEMORY,
     DashboardOption,
     FirstSeedOption,
@@ -28,15 +37,6 @@ from cable_tracker.commands.options.campaigns import (
     WorkersOption,
     chosen_cluster,
     seeds_from,
-)
-from cable_tracker.commands.options.common import (
-    ForceOption,
-    OutsideOption,
-    RateOption,
-    SkipOption,
-    TopicOption,
-    TruthOption,
-    refuse_without_effect,
 )
 from cable_tracker.commands.options.parameters import ValueOption
 from cable_tracker.evaluation.campaign import Campaign

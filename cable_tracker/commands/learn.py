@@ -12,7 +12,6 @@ import typer
 from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.measure.borders.response_table import is_table
 from cable_tracker.commands.console.terminal import console, counted, print_left_out, progress_bar
-from cable_tracker.commands.options.campaigns import seeds_from
 from cable_tracker.commands.options.common import (
     ForceOption,
     OutsideOption,
@@ -25,6 +24,7 @@ from cable_tracker.commands.options.common import (
     open_recording,
     refuse_without_effect,
 )
+from cable_tracker.commands.options.many_runs import seeds_from
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import frames_in_all

@@ -11,12 +11,6 @@ from typing import Annotated, Any
 import typer
 
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME
-from cable_tracker.commands.campaigns.loops import (
-    MOST_WORKERS,
-    LoopTask,
-    follow_several,
-    format_measure,
-)
 from cable_tracker.commands.console.ros_part import need_ros
 from cable_tracker.commands.console.terminal import (
     advance_to,
@@ -25,7 +19,14 @@ from cable_tracker.commands.console.terminal import (
     print_files,
     progress_bar,
 )
-from cable_tracker.commands.options.campaigns import (
+from cable_tracker.commands.many_runs.loops import (
+    MOST_WORKERS,
+    LoopTask,
+    follow_several,
+    format_measure,
+)
+from cable_tracker.commands.options.common import ForceOption, parse_size, refuse_without_effect
+from cable_tracker.commands.options.many_runs import (
     MEMORY,
     DashboardOption,
     MemoryOption,
@@ -34,7 +35,6 @@ from cable_tracker.commands.options.campaigns import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.options.common import ForceOption, parse_size, refuse_without_effect
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.methods import BASELINES, METHODS

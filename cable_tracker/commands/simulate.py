@@ -39,7 +39,7 @@ from cable_tracker.simulation.scenarios.scenario_dive import (
     simulate_scenario,
     simulated_dive,
 )
-from cable_tracker.simulation.setting_checks import check_frames, check_seed, check_size
+from cable_tracker.simulation.settings import check_frames, check_seed, check_size
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import (
     TargetFrame,

@@ -14,15 +14,6 @@ import typer
 
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.commands.console.terminal import advance, console, print_table, progress_bar
-from cable_tracker.commands.options.campaigns import (
-    MEMORY,
-    DashboardOption,
-    MemoryOption,
-    ResumeOption,
-    SchedulerOption,
-    chosen_cluster,
-    with_whole_paths,
-)
 from cable_tracker.commands.options.common import (
     AltitudeOption,
     CameraInfoOption,
@@ -37,6 +28,15 @@ from cable_tracker.commands.options.common import (
     TopicOption,
     VehicleOption,
     chosen_instruments,
+)
+from cable_tracker.commands.options.many_runs import (
+    MEMORY,
+    DashboardOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
+    chosen_cluster,
+    with_whole_paths,
 )
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError

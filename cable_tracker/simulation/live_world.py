@@ -31,7 +31,7 @@ from cable_tracker.simulation.motion.vehicle import (
     VelocityCommand,
 )
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
-from cable_tracker.simulation.world_settings import WorldSettings
+from cable_tracker.simulation.settings import WorldSettings
 from cable_tracker.tracking.parameter_table import number
 
 START_ASIDE, START_TURNED = 0.4, math.radians(8.0)

@@ -60,7 +60,7 @@ def test_one_worker_needs_no_dask(tmp_path):
         "sys.modules.update(dict.fromkeys(('dask', 'distributed')))\n"
         "from pathlib import Path\n"
         "from cable_tracker.campaigns.settings import ClusterSettings\n"
-        "from cable_tracker.commands.campaigns.loops import run_loops\n"
+        "from cable_tracker.commands.many_runs.loops import run_loops\n"
         "import cable_tracker.survey.campaign\n"
         "print(run_loops([], Path(sys.argv[1]), ClusterSettings(), resume=False, advance=print))\n"
     )

@@ -2,7 +2,7 @@ import shutil
 
 import pytest
 
-from cable_tracker.commands.campaigns.cables import tuned_filters
+from cable_tracker.commands.many_runs.cables import tuned_filters
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.report import REPORT
 from cable_tracker.sequences.pictures.image_writer import write_sequence
@@ -157,7 +157,7 @@ def test_results_stay_where_the_report_is_stopped(monkeypatch, command, tmp_path
     def stopped(*_, **__):
         raise Signal
 
-    monkeypatch.setattr("cable_tracker.commands.campaigns.cables.write_report", stopped)
+    monkeypatch.setattr("cable_tracker.commands.many_runs.cables.write_report", stopped)
     with pytest.raises(Signal) as stop:
         command(
             "evaluate", "--scenario", "tune_clear", "--method", "thesis", "--frames", 2,

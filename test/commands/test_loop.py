@@ -7,8 +7,8 @@ import pytest
 
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands import loop as loop_command
-from cable_tracker.commands.campaigns.loops import follow_several
 from cable_tracker.commands.loop import verdict_on
+from cable_tracker.commands.many_runs.loops import follow_several
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS, LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, LoopSummary, read_summary
@@ -124,7 +124,7 @@ def leave_a_run(_tasks, store, *_, **__):
 
 
 def test_the_folder_of_several_runs_is_replaced(monkeypatch, tmp_path):
-    monkeypatch.setattr("cable_tracker.commands.campaigns.loops.run_loops", leave_a_run)
+    monkeypatch.setattr("cable_tracker.commands.many_runs.loops.run_loops", leave_a_run)
     for force in (False, True):
         follow_several([], tmp_path / "out", ClusterSettings(), force=force, resume=False)
     names = {path.name for path in (tmp_path / "out").iterdir()}
@@ -132,8 +132,8 @@ def test_the_folder_of_several_runs_is_replaced(monkeypatch, tmp_path):
 
 
 def test_runs_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path, full_disk):
-    monkeypatch.setattr("cable_tracker.commands.campaigns.loops.run_loops", leave_a_run)
-    monkeypatch.setattr("cable_tracker.commands.campaigns.loops.write_runs", full_disk)
+    monkeypatch.setattr("cable_tracker.commands.many_runs.loops.run_loops", leave_a_run)
+    monkeypatch.setattr("cable_tracker.commands.many_runs.loops.write_runs", full_disk)
     with pytest.raises(OutputError):
         follow_several([], tmp_path / "out", ClusterSettings(), force=False, resume=False)
     assert (tmp_path / "out.tasks" / "default_0").is_dir()

@@ -58,7 +58,7 @@ def possible_limits(parameters: TrackerParameters, image_width: int) -> StateLim
     return StateLimits(lower - 0.5 * missing, upper + 0.5 * missing)
 
 
-def words_beyond_limits(pose: FloatArray, limits: StateLimits) -> str:
+def describe_limit_violations(pose: FloatArray, limits: StateLimits) -> str:
     """Return which components of a pose (4,) lie beyond which parameters; empty if none does.
 
     A component that is NaN lies beyond nothing.

@@ -12,7 +12,8 @@ import typer
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.commands.console.machine import origin_note
 from cable_tracker.commands.console.terminal import advance, print_files, print_table, progress_bar
-from cable_tracker.commands.options.campaigns import (
+from cable_tracker.commands.options.common import ForceOption
+from cable_tracker.commands.options.many_runs import (
     MEMORY,
     DashboardOption,
     FirstSeedOption,
@@ -24,7 +25,6 @@ from cable_tracker.commands.options.campaigns import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import ROW_NAMES, AblationExperiment
 from cable_tracker.evaluation.experiments.catalogue import EXPERIMENTS, FILES

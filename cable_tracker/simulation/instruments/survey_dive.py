@@ -42,7 +42,7 @@ from cable_tracker.simulation.motion.vehicle import (
 from cable_tracker.simulation.rendering.appearance import Skin
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, Stretch
 from cable_tracker.simulation.rendering.tube import Tube
-from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+from cable_tracker.simulation.settings import check_range, check_seed, check_size
 from cable_tracker.stamps import stamp_at
 
 TICKS = 4

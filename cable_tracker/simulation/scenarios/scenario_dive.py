@@ -27,7 +27,7 @@ from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.routes import random_trajectory, scenario_trajectory
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing, Scenario
-from cable_tracker.simulation.setting_checks import (
+from cable_tracker.simulation.settings import (
     check_frames,
     check_seed,
     check_size,

@@ -22,10 +22,10 @@ from cable_tracker.simulation.motion.vehicle import (
     VelocityCommand,
 )
 from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.settings import WorldSettings
 from cable_tracker.simulation.targets.background import TargetBackground, random_background
 from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
 from cable_tracker.simulation.targets.sequence import HAZE
-from cable_tracker.simulation.world_settings import WorldSettings
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 from cable_tracker.tracking.parameter_table import number
 

@@ -13,7 +13,7 @@ from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import LENGTHS, WIDTH, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.rendering.texture import in_rows, smooth_step
-from cable_tracker.simulation.setting_checks import check_seed, check_size
+from cable_tracker.simulation.settings import check_seed, check_size
 from cable_tracker.simulation.worlds.cable_appearance import (
     GROWTH_REACH,
     SAND_REACH,

@@ -6,9 +6,9 @@ import pytest
 from cable_tracker.cable.model.limits import (
     LEAST_EXTENT,
     clip_to_limits,
+    describe_limit_violations,
     possible_limits,
     state_limits,
-    words_beyond_limits,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -42,7 +42,7 @@ def test_limits_that_leave_one_value_leave_a_little_about_it_possible(width):
 )
 def test_what_lies_beyond_the_limits_is_named_with_its_parameter(pose, words):
     limits = state_limits(TrackerParameters(), 640)
-    assert words_beyond_limits(np.array(pose), limits) == words
+    assert describe_limit_violations(np.array(pose), limits) == words
 
 
 def test_clipping_stops_at_the_limit():

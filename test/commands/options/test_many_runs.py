@@ -2,7 +2,7 @@ import pytest
 
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import LARGEST_WORKER_COUNT
-from cable_tracker.commands.options.campaigns import (
+from cable_tracker.commands.options.many_runs import (
     MEMORY,
     chosen_cluster,
     with_whole_paths,

@@ -19,7 +19,7 @@ from cable_tracker.commands.console.terminal import (
     print_table,
     progress_bar,
 )
-from cable_tracker.commands.options.campaigns import with_whole_paths
+from cable_tracker.commands.options.many_runs import with_whole_paths
 from cable_tracker.commands.options.parameters import chosen_parameters, single_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.setting_checks import (
+from cable_tracker.simulation.settings import (
     check_frames,
     check_range,
     check_seed,

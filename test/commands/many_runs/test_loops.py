@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.commands.campaigns.loops import NODES_OF_RUN, RUN_GRACE, LoopTask, run_loops
+from cable_tracker.commands.many_runs.loops import NODES_OF_RUN, RUN_GRACE, LoopTask, run_loops
 from cable_tracker.ros.process.child_process import GRACE
 from cable_tracker.simulation.live_world import LiveSettings
 

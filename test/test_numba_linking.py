@@ -11,8 +11,8 @@ from numba.core.compiler import Flags
 from numba.core.registry import cpu_target
 from numba.core.types.functions import BaseFunction
 
-from cable_tracker.code_libraries import _operators_typed_once, _quickly_compared_flags
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
+from cable_tracker.numba_linking import _operators_typed_once, _quickly_compared_flags
 
 
 @compiled_part
