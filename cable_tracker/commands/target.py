@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import ExitStack, nullcontext, suppress
 from pathlib import Path
 from typing import Annotated
@@ -44,7 +45,9 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.followed_kinds import TARGET
+from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.recorded.recorded_target import node_values, recorded_target
+from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame, parse_start
@@ -53,6 +56,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source_base import ChosenRecording, Source
 from cable_tracker.target.model.start import DETECT, TargetStart
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
 
 NO_METRES = (
@@ -129,7 +133,6 @@ def target(  # noqa: PLR0917
         if not described.has_instruments and (target_size or described.vehicle.said):
             print_notes(source, [NO_METRES])
         if ros:
-            client = need_ros("clients.track_target")
             lockstep = need_ros("clients.lockstep")
             replayed = lockstep.replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
@@ -141,26 +144,35 @@ def target(  # noqa: PLR0917
                 **measuring,
                 "initial_target": init,
             }
-            damage = client.track_target_over_ros(
+            damage = need_ros("clients.track_target").track_target_over_ros(
                 frames, own, replayed, results, with_metres=bool(measuring)
             )
         else:
-            tracker = TargetTracker(parameters)
-            if start is not None:
-                tracker.initialise(start)
             instruments = (
                 recorded_target(described, target_size) if described.has_instruments else None
             )
-            with instruments or nullcontext():
-                damage = follow_all(
-                    frames, lambda frame: follow_frame(frame, tracker, results, instruments)
-                )
+            damage = _follow_here(frames, parameters, start, results, instruments)
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print(results)
     print_taken_rate(recording)
     if damage is not None:
         raise damage
+
+
+def _follow_here(
+    frames: Iterable[Frame],
+    parameters: TargetParameters,
+    start: TargetStart | None,
+    results: TargetFolder,
+    instruments: RecordedInstruments[TargetInstrumentFusion] | None,
+) -> RecordingError | None:
+    """Follow a target in this process; return why the recording broke off, if it did."""
+    tracker = TargetTracker(parameters)
+    if start is not None:
+        tracker.initialise(start)
+    with instruments or nullcontext():
+        return follow_all(frames, lambda frame: follow_frame(frame, tracker, results, instruments))
 
 
 def _chosen_start(init: str) -> TargetStart | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +12,7 @@ import typer
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import format_initial_state
 from cable_tracker.cable.model.state import POSE_COMPONENTS
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.commands.console.results import (
     folder_beside,
     metres_note,
@@ -61,12 +63,15 @@ from cable_tracker.commands.options.parameters import (
     single_values,
 )
 from cable_tracker.detection.line_pairs import pair_limits
+from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.followed_kinds import CABLE
+from cable_tracker.metric.recorded.recorded_cable import RecordedCableInstruments
 from cable_tracker.offline.advice import advice
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.track_cable import TRUTH, given_state_for, track_frame
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.trackers import make_tracker
 
@@ -127,7 +132,6 @@ def track(  # noqa: PLR0917
         described = find_vehicle(recording, choice, vehicle)
         metres = None if ros else described.instruments()
         if ros:
-            client = need_ros("clients.track_cable")
             lockstep = need_ros("clients.lockstep")
             replayed = lockstep.replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
@@ -137,15 +141,11 @@ def track(  # noqa: PLR0917
                 **parameters.as_mapping(),
                 "initial_state": _initial_state_of_node(start, given),
             }
-            damage = client.track_cable_over_ros(frames, own, replayed, results, described)
+            damage = need_ros("clients.track_cable").track_cable_over_ros(
+                frames, own, replayed, results, described
+            )
         else:
-            tracker = make_tracker(parameters)
-            if given is not None:
-                tracker.initialise(given)
-            with metres or nullcontext():
-                damage = follow_all(
-                    frames, lambda frame: track_frame(frame, tracker, results, metres)
-                )
+            damage = _track_here(frames, parameters, given, results, metres)
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, [*described.remarks(), *(metres.remarks() if metres is not None else ())])
     _print_results(results, wants_metres=described.wants_metres)
@@ -154,6 +154,21 @@ def track(  # noqa: PLR0917
         console.print(line, soft_wrap=True)
     if damage is not None:
         raise damage
+
+
+def _track_here(
+    frames: Iterable[Frame],
+    parameters: TrackerParameters,
+    given: GivenState | None,
+    results: CableFolder,
+    metres: RecordedCableInstruments | None,
+) -> RecordingError | None:
+    """Track a cable in this process; return why the recording broke off, if it did."""
+    tracker = make_tracker(parameters)
+    if given is not None:
+        tracker.initialise(given)
+    with metres or nullcontext():
+        return follow_all(frames, lambda frame: track_frame(frame, tracker, results, metres))
 
 
 def _initial_state_of_node(start: str, given: GivenState | None) -> str:
