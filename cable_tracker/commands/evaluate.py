@@ -152,8 +152,8 @@ def evaluate(  # noqa: PLR0917
         )  # fmt: skip
     if targets:
         tuned = tuned_targets(params)
-        pictures = _target_sequences(recording, scenario or (), frames)
-        followed = TargetCampaign(pictures, numbers, chosen_methods(method, tuned), tuned)
+        target_sequences = _target_sequences(recording, scenario or (), frames)
+        followed = TargetCampaign(target_sequences, numbers, chosen_methods(method, tuned), tuned)
         evaluate_targets(followed, output, cluster, force=force, resume=resume)
     else:
         filters = tuned_filters(params, param, table)

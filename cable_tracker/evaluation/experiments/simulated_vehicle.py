@@ -18,7 +18,6 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
-from cable_tracker.simulation.instruments.flight import Flight, flight_at
 from cable_tracker.simulation.instruments.instrument_messages import (
     ALTIMETER,
     BASE,
@@ -31,6 +30,7 @@ from cable_tracker.simulation.instruments.instrument_messages import (
 )
 from cable_tracker.simulation.instruments.instrument_writer import Tick
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors, OdometryReading
+from cable_tracker.simulation.instruments.vehicle_poses import VehiclePoses, vehicle_poses_at
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
@@ -53,14 +53,14 @@ EXPERIMENT_ERRORS = InstrumentErrors(turn_bias=math.radians(0.1), velocity_scale
 """How wrong the instruments are in experiments: worse than in the simulator's dives."""
 
 
-def cables_below(dive: Dive, flight: Flight) -> FloatArray:
+def cables_below(dive: Dive, poses: VehiclePoses) -> FloatArray:
     """Return the true offset at x = 0, offset ahead, and heading, shape (N, 3) [m, rad].
 
     In the level frame of each instant. The heading is that of the cable where the camera looks.
     """
     reach = np.arange(-TRUTH_REACH, TRUTH_REACH, TRUTH_STEP)
     truths = []
-    for position, angles in zip(flight.positions, flight.angles, strict=True):
+    for position, angles in zip(poses.positions, poses.angles, strict=True):
         points, _ = dive.tube.axis(position[1] + reach)
         yaw = angles[2]
         relative = points[:, :2] - position[:2]
@@ -113,10 +113,10 @@ def simulated_vehicle(
     dive = scenario_dive(scenario, seed, SCENARIO_SIZE)
     count = find_scenario(scenario).frame_count
     ticks = list(dive_ticks(repeat(None, count), dive, SCENARIO_RATE, seed, errors))
-    flight = flight_at(dive, np.arange(count) / SCENARIO_RATE)
+    poses = vehicle_poses_at(dive, np.arange(count) / SCENARIO_RATE)
     return SimulatedVehicle(
-        truths=cables_below(dive, flight),
-        altitudes=flight.positions[:, 2],
+        truths=cables_below(dive, poses),
+        altitudes=poses.positions[:, 2],
         parameters=CableVehicleParameters(
             camera_pitch=90.0 - math.degrees(dive.camera.mounting),
             look_ahead=LOOK_AHEAD,

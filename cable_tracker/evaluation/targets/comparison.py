@@ -210,7 +210,7 @@ class TargetCampaign:
             TargetMethodRun(name, make_method(name.removeprefix(f"{GREY} "), seed, tuned))
             for name in self.methods
         ]
-        for frame in sequence.pictures(seed):
+        for frame in sequence.frames(seed):
             for run in runs:
                 run.process(frame)
             advance(1)

@@ -59,7 +59,7 @@ class TargetSequence(Protocol):
         """Return the files and folders that it is read from; none if it is made up."""
         ...
 
-    def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
+    def frames(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Make or read the frames."""
         ...
 
@@ -87,7 +87,7 @@ class SimulatedTarget:
         """Return no files."""
         return []
 
-    def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
+    def frames(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Simulate the run of a seed."""
         for frame in simulate_target(self.name, seed, self.length):
             yield TargetEvaluationFrame(frame.image, frame.stamp, frame.box, frame.twin_box)
@@ -109,7 +109,7 @@ class RecordedTarget(LabelledRecording):
             find_boxes(source, self.truth)
             return source.frame_count
 
-    def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
+    def frames(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Read the recording.
 
         Raises

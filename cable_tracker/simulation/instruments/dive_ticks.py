@@ -9,13 +9,13 @@ import numpy as np
 
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.instruments.flight import vehicle_states_at
 from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
 from cable_tracker.simulation.instruments.instruments import (
     USUAL_ERRORS,
     InstrumentErrors,
     InstrumentSet,
 )
+from cable_tracker.simulation.instruments.vehicle_poses import vehicle_states_at
 from cable_tracker.simulation.motion.vehicle import VehicleState
 
 READING_RATE = 50.0

@@ -18,8 +18,8 @@ from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.odometry.homography import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
-from cable_tracker.simulation.instruments.flight import flight_at, twists_at
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors
+from cable_tracker.simulation.instruments.vehicle_poses import twists_at, vehicle_poses_at
 from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.tracking.status import TrackingStatus
@@ -88,12 +88,12 @@ def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
 def test_twists_are_the_derivatives_of_poses():
     dive = scenario_dive("S6", 1)
     times = np.array([0.4, 0.44])
-    flight = flight_at(dive, times)
+    poses = vehicle_poses_at(dive, times)
     middle = twists_at(dive, np.array([0.42]))[0]
-    rotation = flight_at(dive, np.array([0.42])).rotations()[0]
-    velocity = rotation.T @ (flight.positions[1] - flight.positions[0]) / 0.04
+    rotation = vehicle_poses_at(dive, np.array([0.42])).rotations()[0]
+    velocity = rotation.T @ (poses.positions[1] - poses.positions[0]) / 0.04
     np.testing.assert_allclose(middle[:3], velocity, atol=0.02)
-    assert middle[5] == pytest.approx((flight.angles[1, 2] - flight.angles[0, 2]) / 0.04, abs=0.05)
+    assert middle[5] == pytest.approx((poses.angles[1, 2] - poses.angles[0, 2]) / 0.04, abs=0.05)
 
 
 def twists_of(seed, errors=EXPERIMENT_ERRORS):

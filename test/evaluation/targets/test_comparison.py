@@ -62,7 +62,7 @@ def test_parameters_of_the_users_are_a_method_of_their_own():
 
 
 def test_frames_that_are_not_judged_do_not_count():
-    frames = list(SimulatedTarget("near_surface", 6).pictures(1))
+    frames = list(SimulatedTarget("near_surface", 6).frames(1))
     follower = TargetMethodRun("CamShift", make_method("CamShift", 1))
     for index, frame in enumerate(frames):
         follower.process(replace(frame, is_judged=index % 2 == 0))
@@ -70,7 +70,7 @@ def test_frames_that_are_not_judged_do_not_count():
 
 
 def test_a_frame_that_the_tracker_refuses_is_one_without_a_claim():
-    first, second = list(SimulatedTarget("near_surface", 2).pictures(1))
+    first, second = list(SimulatedTarget("near_surface", 2).frames(1))
     follower = TargetMethodRun("default", make_method("default", 1))
     follower.process(first)
     follower.process(replace(second, stamp=first.stamp))

@@ -9,8 +9,8 @@ from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
-from cable_tracker.simulation.instruments.flight import flight_at
 from cable_tracker.simulation.instruments.instrument_writer import write_ticks
+from cable_tracker.simulation.instruments.vehicle_poses import vehicle_poses_at
 from cable_tracker.simulation.scenarios.scenario_dive import (
     SimulationSettings,
     simulate,
@@ -51,7 +51,7 @@ def test_odometry_speaks_some_fifty_times_a_second(bag):
 def test_the_true_cable_lies_in_metres_where_the_vehicle_has_it(bag):
     dive = simulated_dive(SETTINGS)
     times = np.arange(SETTINGS.frame_count) / SETTINGS.rate
-    truths = cables_below(dive, flight_at(dive, times))
+    truths = cables_below(dive, vehicle_poses_at(dive, times))
     with open_source(bag) as recording, recorded_vehicle(recording).instruments() as instruments:
         for frame, (offset, _, heading) in zip(recording.frames(), truths, strict=True):
             instruments.advance(frame)

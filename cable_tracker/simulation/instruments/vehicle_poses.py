@@ -17,7 +17,7 @@ DIFFERENCE_STEP = 2e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flight:
+class VehiclePoses:
     """Poses of a vehicle at N times; base_link is at the camera.
 
     Attributes
@@ -40,16 +40,18 @@ class Flight:
         return rotations_of(self.angles + quarter)
 
 
-def flight_at(dive: Dive, times: FloatArray) -> Flight:
+def vehicle_poses_at(dive: Dive, times: FloatArray) -> VehiclePoses:
     """Return the poses of the vehicle of a dive at times (N,) [s]."""
     poses = dive.geometry(times).poses
-    return Flight(times, poses.positions, dive.camera.vehicle_angles(poses))
+    return VehiclePoses(times, poses.positions, dive.camera.vehicle_angles(poses))
 
 
 def twists_at(dive: Dive, times: FloatArray) -> FloatArray:
     """Return the exact twists in base_link at times (N,) [s], shape (N, 6) [m/s, rad/s]."""
-    before, after = (flight_at(dive, times + step) for step in (-DIFFERENCE_STEP, DIFFERENCE_STEP))
-    now = flight_at(dive, times).rotations()
+    before, after = (
+        vehicle_poses_at(dive, times + step) for step in (-DIFFERENCE_STEP, DIFFERENCE_STEP)
+    )
+    now = vehicle_poses_at(dive, times).rotations()
     velocity = (after.positions - before.positions) / (2 * DIFFERENCE_STEP)
     change = np.einsum("nji,njk->nik", before.rotations(), after.rotations())
     turn = np.stack(
@@ -68,10 +70,10 @@ def vehicle_states_at(dive: Dive, times: FloatArray) -> list[VehicleState]:
 
     In the world of `vehicle`: x along the general course of the cable. Accelerations are not given.
     """
-    flight, twists = flight_at(dive, times), twists_at(dive, times)
-    positions = from_renderer(flight.positions)
+    poses, twists = vehicle_poses_at(dive, times), twists_at(dive, times)
+    positions = from_renderer(poses.positions)
     nothing = np.zeros(3)
     return [
         VehicleState(position, angles, twist, nothing)
-        for position, angles, twist in zip(positions, flight.angles, twists, strict=True)
+        for position, angles, twist in zip(positions, poses.angles, twists, strict=True)
     ]
