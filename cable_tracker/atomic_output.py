@@ -98,7 +98,7 @@ class PartialOutput:
     Parameters
     ----------
     path : Path
-        Where it is to appear.
+        Path at which it appears when it is complete.
     overwrite : bool
         Replace what lies there, once the new one is complete.
     is_ours : callable
@@ -114,7 +114,7 @@ class PartialOutput:
     Attributes
     ----------
     content : Path
-        Where to write until then. It does not exist yet; its parent does.
+        Path to write to until then. It does not exist yet; its parent does.
 
     Raises
     ------
@@ -248,7 +248,7 @@ def output_folder(
     Parameters
     ----------
     path : Path
-        Where it is to appear.
+        Path at which it appears when it is complete.
     marker : str
         A file that every such folder holds; a folder without it is never replaced.
     overwrite : bool
@@ -280,7 +280,7 @@ def output_file(
     Parameters
     ----------
     path : Path
-        Where it is to appear.
+        Path at which it appears when it is complete.
     is_ours : callable
         Tells whether what lies there is of the same kind; nothing else is ever replaced.
     overwrite : bool
@@ -315,14 +315,14 @@ class AtomicFile:
     Parameters
     ----------
     path : Path
-        Where it is to lie; an earlier file is replaced.
+        Path of the file; an earlier file is replaced.
     by_many : bool
         Whether several processes may write it at the same time.
 
     Attributes
     ----------
     part : Path
-        Where to write until then: hidden, in the same folder, of the same suffix.
+        Path to write to until then: hidden, in the same folder, of the same suffix.
     """
 
     def __init__(self, path: Path, *, by_many: bool = False) -> None:

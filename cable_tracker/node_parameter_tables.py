@@ -20,7 +20,7 @@ BEST_EFFORT, RELIABLE = RELIABILITIES = ("best_effort", "reliable")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraStartParameters(ParameterSet):
-    """Of every node that tracks something in a camera's images; read at start only."""
+    """Parameters of every node that tracks in a camera's images; read at start only."""
 
     image_transport: str = word(
         "raw", ("raw", "compressed"), "Topic of the images: `image` or `image/compressed`."
@@ -34,7 +34,7 @@ class CameraStartParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraRuntimeParameters(ParameterSet):
-    """Of every node that tracks something in a camera's images; may be changed at any time."""
+    """Parameters of every node that tracks in a camera's images; may be changed at any time."""
 
     input_timeout: float = number(
         1.0, "s", 0.05, 3600.0, "Time without a usable frame after which the status is STALE INPUT."
@@ -76,7 +76,7 @@ class CameraParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CableVehicleParameters(CameraParameters):
-    """For `cross_track`, may be changed at any time; see docs/metric.md."""
+    """Parameters for `cross_track`, may be changed at any time; see docs/metric.md."""
 
     camera_pitch: float = number(
         90.0,
@@ -148,7 +148,7 @@ class CableVehicleParameters(CameraParameters):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TargetVehicleParameters(CameraParameters):
-    """For `bearing`, `relative_pose` and turns of the camera, may be changed at any time.
+    """Parameters for `bearing`, `relative_pose` and turns of the camera; may be changed any time.
 
     See docs/targets.md.
     """
@@ -183,7 +183,7 @@ class TargetVehicleParameters(CameraParameters):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackerStartParameters(ParameterSet):
-    """Of the node `tracker` alone; read at start only."""
+    """Parameters of the node `tracker` alone; read at start only."""
 
     preset: str = word(
         "default", tuple(PRESETS), "Preset that gives the other parameters their values."
@@ -197,7 +197,7 @@ class TrackerStartParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackerRuntimeParameters(ParameterSet):
-    """Of the node `tracker` alone; may be changed at any time."""
+    """Parameters of the node `tracker` alone; may be changed at any time."""
 
     initial_state: str = word(
         "random",
@@ -209,7 +209,7 @@ class TrackerRuntimeParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TargetStartParameters(ParameterSet):
-    """Of the node `target_tracker` alone; read at start only."""
+    """Parameters of the node `target_tracker` alone; read at start only."""
 
     preset: str = word(
         "default", tuple(TARGET_PRESETS), "Preset that gives the other parameters their values."
@@ -230,7 +230,7 @@ class TargetStartParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TargetRuntimeParameters(ParameterSet):
-    """Of the node `target_tracker` alone; may be changed at any time."""
+    """Parameters of the node `target_tracker` alone; may be changed at any time."""
 
     initial_target: str = word(
         "wait",
@@ -251,7 +251,7 @@ def _topic_of(instrument: str) -> Any:  # noqa: ANN401
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayStartParameters(ParameterSet):
-    """Of the node `replay`; read at start only."""
+    """Parameters of the node `replay`; read at start only."""
 
     source: str = word("", (), "Recording: a bag, a video, a folder of images, or a sequence file.")
     topic: str = word("", (), "Image topic of a bag; needed only if it has several.")
@@ -292,7 +292,7 @@ class ReplayStartParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayRuntimeParameters(ParameterSet):
-    """Of the node `replay`; may be changed at any time.
+    """Parameters of the node `replay`; may be changed at any time.
 
     `start` takes effect at the next restart.
     """
@@ -315,7 +315,7 @@ class ReplayRuntimeParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleNodeParameters(ParameterSet):
-    """Of every node that simulates a vehicle, beside its world's settings; read at start only."""
+    """Parameters of nodes that simulate a vehicle, beside its world's; read at start only."""
 
     publish_clock: bool = flag(False, "Publish the simulated time on /clock.")
     lockstep: bool = flag(
@@ -360,7 +360,7 @@ class VehicleNodeParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulatorNodeParameters(VehicleNodeParameters):
-    """Of the node `simulator`, beside its world's settings; read at start only."""
+    """Parameters of the node `simulator`, beside its world's; read at start only."""
 
     patience: float = number(
         60.0,
@@ -382,7 +382,7 @@ class SimulatorNodeParameters(VehicleNodeParameters):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GuidanceNodeParameters(ParameterSet):
-    """Of `controller` and `follower`, beside their settings; read at start only."""
+    """Parameters of `controller` and `follower`, beside their settings; read at start only."""
 
     lockstep: bool = flag(False, "Answer each `state` with one `cmd_vel`, however long it takes.")
     settle_time: float = number(
@@ -412,7 +412,7 @@ TRACKER_RUNTIME_PARAMETERS = (
     *parameter_table(CableVehicleParameters),
 )
 TRACKER_NODE_PARAMETERS = (*TRACKER_START_PARAMETERS, *TRACKER_RUNTIME_PARAMETERS)
-"""Of the node `tracker` beside its filter's."""
+"""Parameters of the node `tracker` beside its filter's."""
 
 TARGET_START_PARAMETERS = (
     *parameter_table(TargetStartParameters),
@@ -424,7 +424,7 @@ TARGET_RUNTIME_PARAMETERS = (
     *parameter_table(TargetVehicleParameters),
 )
 TARGET_NODE_PARAMETERS = (*TARGET_START_PARAMETERS, *TARGET_RUNTIME_PARAMETERS)
-"""Of the node `target_tracker` beside its filter's."""
+"""Parameters of the node `target_tracker` beside its filter's."""
 
 MOUNTING_PARAMETERS = (
     "camera_x", "camera_y", "camera_z", "camera_roll", "camera_pitch", "camera_yaw",

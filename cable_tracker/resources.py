@@ -31,7 +31,7 @@ def share_folder() -> Path:
     Raises
     ------
     ResourceError
-        It is in none of the usual places.
+        The folder is in none of the usual places.
     """
     tried = list(_candidates())
     for folder in tried:
@@ -49,7 +49,7 @@ def resource(relative: Path) -> Path:
     Raises
     ------
     ResourceError
-        It is not there.
+        The file is not there.
     """
     path = share_folder() / relative
     if not path.is_file():

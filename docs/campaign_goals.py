@@ -79,7 +79,7 @@ class TimedTask:
 
     @property
     def name(self) -> str:
-        """Of the folder that its results go to."""
+        """Name of the folder that its results go to."""
         return self.task.name
 
     def fingerprint(self) -> str:

@@ -28,7 +28,7 @@ from cable_tracker.survey.recording import SurveySettings, analyse
 
 SPEED, RATE, LOOK = 0.5, 5.0, 0.7
 NOISE = 0.02
-"""Of claims across the cable [m]."""
+"""Standard deviation of claims across the cable [m]."""
 
 SHORT = 500
 STATUS = Path("/proc/self/status")

@@ -112,7 +112,7 @@ class Truth:
     def cable_ahead(self, stamps: FloatArray, look: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return position along the cable, and lateral offset from the vehicle, (N,) each [m].
 
-        On lines across its heading, `look` (N,) ahead of it [m].
+        They are taken on lines across the vehicle's heading, `look` (N,) ahead of it [m].
         """
         poses = np.column_stack([np.interp(stamps, self._stamps, each) for each in self._poses.T])
         ahead = np.column_stack((np.cos(poses[:, 2]), np.sin(poses[:, 2])))

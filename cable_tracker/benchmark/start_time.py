@@ -26,7 +26,8 @@ class StartTime:
     name : str
         The preset.
     cold, warm : float
-        With an empty folder for machine code, and with the one that the first start has filled.
+        Start times with an empty folder for machine code, and with the one that the first start
+        has filled.
     """
 
     name: str

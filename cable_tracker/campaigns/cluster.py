@@ -73,16 +73,16 @@ def worker_environment() -> dict[str, Any]:
 
 
 def _check_memory(text: str) -> None:
-    """See that a size of memory suffices for a worker, where it is in bytes.
+    """Check that a size of memory in bytes suffices for a worker.
 
     Up to 1 Dask takes it for a share of the machine's memory, and 0 for all of it.
 
     Raises
     ------
     ValueError
-        It is no size.
+        The text is no size.
     ParameterError
-        It is too small.
+        The size is too small.
     """
     size = 0 if text == "auto" else parse_bytes(text)
     if not (0 <= size <= 1 or size >= LEAST_MEMORY):
@@ -167,7 +167,7 @@ class OtherVersions:
 
 
 def check_versions(client: Client) -> None:
-    """See that all workers have this version of the package.
+    """Check that all workers have this version of the package.
 
     Raises
     ------

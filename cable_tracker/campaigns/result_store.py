@@ -66,7 +66,7 @@ def write_result(fingerprint: str, result: object, store: Path) -> None:
     Raises
     ------
     OutputError
-        It cannot be written.
+        The result cannot be written.
     """
     try:
         store.mkdir(parents=True, exist_ok=True)

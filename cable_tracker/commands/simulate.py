@@ -50,7 +50,7 @@ from cable_tracker.simulation.targets.sequence import (
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
 FRAMES, RATE, CLUTTER = 300, 25.0, 0.5
-"""Unless the user names others."""
+"""Number of frames, frame rate [1/s] and clutter that are simulated by default."""
 
 FILES = ("--format", "--storage", "--force")
 
@@ -240,7 +240,7 @@ class _Destination:
     folder : Path
         Folder of the bag or of the pictures.
     kind : SimulationFormat
-        Which of them it is.
+        Format that is written.
     storage : StorageFormat
         Format of the bag.
     force : bool
@@ -262,7 +262,7 @@ class _CableFrames:
     count : int
         Number of frames.
     frames : iterator of Frame
-        With their ground truth.
+        Frames with their ground truth.
     dive : (Dive, float) or None
         Simulated dive and frame rate [Hz], for the instruments of a bag; None: without instruments.
     """

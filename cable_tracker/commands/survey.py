@@ -135,7 +135,7 @@ def parse_datum(text: str | None) -> tuple[float, float] | None:
     Raises
     ------
     ParameterError
-        It is none.
+        The text is no datum.
     """
     if text is None:
         return None

@@ -53,7 +53,7 @@ _STYLE: Any = {
 
 
 SMALLEST_SPANS = (20.0, 10.0, 20.0, 5.0)
-"""Of the axes of d, alpha, w, beta [px, deg], so that calm does not look like turmoil."""
+"""Smallest ranges of the axes of d, alpha, w, beta [px, deg]: small errors must not fill them."""
 
 LOSS_COLOURS = LinearSegmentedColormap.from_list(
     "loss", ["#f4f6f7", "#f3c19d", "#d55e00", "#7a2d00"]

@@ -149,7 +149,7 @@ class FrameCounter:
         Parameters that the table will be used with; their seed draws where background is counted,
         and how much harder frames are made.
     plan : LearningPlan
-        Which frames are counted.
+        Selection of the frames that are counted.
 
     Attributes
     ----------

@@ -51,7 +51,7 @@ class RunResult:
     seed : int
         Seed of the simulation and of the method.
     start : Start
-        How the method was initialised.
+        Start that the method was told.
     trace : Trace
         All frames.
     metrics : dict of str to float

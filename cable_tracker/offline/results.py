@@ -23,10 +23,10 @@ CONTACT_SHEET = "overlay.png"
 BAG = "bag"
 
 PLOTS = "estimates.png"
-"""Of a cable."""
+"""Plots of a cable's estimates."""
 
 METRES = "metres.csv"
-"""Of a target."""
+"""Table of a target in metres."""
 
 FILES = (ESTIMATES, METRES, VIDEO, CONTACT_SHEET, PLOTS, BAG)
 """All files that are ever written into such a folder, in the order of display."""
@@ -89,7 +89,7 @@ class Results(ABC):
     path : Path
         Path of the finished folder.
     wanted : WantedResults
-        As given.
+        Files that are written beside the table.
     bag : MessageSink
         Writer of messages; forgets them without a bag.
 

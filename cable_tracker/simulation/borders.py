@@ -126,7 +126,7 @@ def visible_share(projected: ProjectedBorders, index: int, hidden: BoolArray) ->
     Parameters
     ----------
     hidden : BoolArray
-        Which points of the two borders are covered, shape (2, K).
+        Whether points of the two borders are covered, shape (2, K).
     """
     lengths = np.where(projected.inside[index], projected.lengths[index], 0.0)
     total = float(lengths.sum())

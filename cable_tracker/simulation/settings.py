@@ -60,7 +60,7 @@ def check_seed(seed: int, name: str = "seed") -> None:
     Raises
     ------
     ParameterError
-        It is negative.
+        The seed is negative.
     """
     if seed < 0:
         raise ParameterError(f"{name} is {seed}: give a number that is not negative")
@@ -88,7 +88,7 @@ def check_range(name: str, value: float, limits: tuple[float, float], unit: str)
     Raises
     ------
     ParameterError
-        It is not, or is no number.
+        The value is out of its limits, or NaN.
     """
     least, most = limits
     if not least <= value <= most:

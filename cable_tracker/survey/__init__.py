@@ -1,1 +1,1 @@
-"""From tracked dives to a route, events and a report."""
+"""Survey of tracked dives: their routes, events and a report."""

@@ -62,7 +62,7 @@ class SurveyTask:
     path : Path
         The recording.
     settings : SurveySettings
-        How.
+        Settings of the survey.
     name : str
         Name of the recording's results and of their folder.
     """

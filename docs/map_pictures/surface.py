@@ -45,9 +45,9 @@ class Surface:
     Attributes
     ----------
     across : Image
-        From -1 at the left border to 1 at the right one.
+        Coordinate across: -1 at the left border, 1 at the right one.
     along : Image
-        Along the centre line [px].
+        Coordinate along the centre line [px].
     outside : Image
         Distance outwards of the nearer border, below 0 inside [px].
     width : float

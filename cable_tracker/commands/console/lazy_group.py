@@ -32,7 +32,7 @@ class LazyGroup(TyperGroup):
     groups : mapping of str to mapping of str to ListedCommand
         Title of a part of the help -> name of a command -> the command.
     former_names : mapping of str to str
-        Where commands lie that are found under these names and not listed.
+        Commands by names that work and are not listed.
     """
 
     groups: ClassVar[Mapping[str, Mapping[str, ListedCommand]]] = NONE

@@ -47,7 +47,7 @@ def folder_beside(source: Path, ending: str) -> Path:
 def need_usable_frames(
     source: Path, rows: Sequence[TrackedFrame], damage: RecordingError | None
 ) -> None:
-    """See that there is anything to keep of a run.
+    """Check that a run has at least one usable frame.
 
     Parameters
     ----------

@@ -208,7 +208,7 @@ def run_loops(
     folder : Path
         Gets a folder METHOD_SEED for each run that comes to its end.
     cluster : ClusterSettings
-        Where they run.
+        Machines that run them.
     resume : bool
         Keep the runs that are there already.
     advance : callable

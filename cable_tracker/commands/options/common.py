@@ -121,7 +121,7 @@ def parse_size(text: str) -> tuple[int, int]:
     Raises
     ------
     ParameterError
-        It is none.
+        The text is no size.
     """
     width, separator, height = text.lower().partition("x")
     if not separator or not width.isdecimal() or not height.isdecimal():

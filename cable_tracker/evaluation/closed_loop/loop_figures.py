@@ -146,7 +146,7 @@ class MapPanel:
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
     burial : Stretch or None
-        Where sand lies on it.
+        Stretch of the cable under sand.
     """
 
     def __init__(self, course: FloatArray, burial: Stretch | None) -> None:

@@ -68,7 +68,7 @@ class AblationRow:
     description : str
         Difference from `default`, in a few words.
     changes : mapping of str to ParameterValue
-        By parameter.
+        Changed values by parameter.
     """
 
     name: str
@@ -139,7 +139,7 @@ ROW_NAMES = tuple(row.name for row in ABLATION_ROWS)
 
 
 def check_row_names(names: Sequence[str]) -> None:
-    """See that there are such rows, at least one.
+    """Check that these rows exist, at least one.
 
     Raises
     ------

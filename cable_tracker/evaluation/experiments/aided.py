@@ -94,7 +94,7 @@ class AidedMethod:
     parameters : TrackerParameters
         All of them, also the seed.
     vehicle : SimulatedVehicle
-        Whose instruments it hears.
+        Vehicle whose instruments give the readings.
     fault : OdometryFault or None
         Fault of the odometry; None: there is no odometry.
     """
@@ -156,7 +156,7 @@ class AidedFilter:
     parameters : TrackerParameters
         All of them; the seed is that of the run.
     scenario : str
-        Whose vehicle.
+        Scenario of the vehicle.
     fault : OdometryFault or None
         Fault of the odometry; None: there is no odometry.
     """

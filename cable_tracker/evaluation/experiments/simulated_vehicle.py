@@ -85,7 +85,7 @@ class SimulatedVehicle:
     altitudes : FloatArray
         True ones in each frame, shape (N,) [m].
     parameters : CableVehicleParameters
-        How camera and instruments are mounted and read.
+        Mounting and errors of camera and instruments.
     messages : list of (int, Instrument, Message)
         What all instruments but odometry say, each with its time [ns].
     odometry : list of OdometryReading

@@ -92,7 +92,7 @@ class LossEpisode:
     frame_count : int
         Number of its frames.
     seconds : float
-        From its first frame to the first one on the cable again, or to the end [s].
+        Time from its first frame to the next frame on the cable, or to the end [s].
     recovered : bool
         Whether the method found back while the cable remained visible.
     """

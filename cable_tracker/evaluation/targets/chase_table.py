@@ -33,7 +33,7 @@ class ChaseRow:
     time : float
         Time since the start [s].
     distance : float
-        To the target, in truth [m].
+        True distance to the target [m].
     is_visible : bool
         Whether anything of it can be seen.
     is_claimed : bool
@@ -64,7 +64,7 @@ class ChaseSummary:
     frames : int
         Number of frames.
     mean_distance, worst_distance : float
-        In truth [m].
+        Mean and largest true distance [m].
     kept : float
         Share of the frames in which the distance is off by less than a metre.
     claimed_in_view, claimed_while_absent : float

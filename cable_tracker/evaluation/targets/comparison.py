@@ -95,7 +95,7 @@ class RunFigures:
     method : str
         Name.
     values : tuple of float
-        In the order of `FIGURES`.
+        Values in the order of `FIGURES`.
     refusal : str
         Why the method did not take the first frame that it refused; empty: it refused none.
     """

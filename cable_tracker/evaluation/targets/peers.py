@@ -38,7 +38,7 @@ def _whole(box: Box, image: Image) -> tuple[int, int, int, int]:
     Raises
     ------
     FrameError
-        That is too little.
+        Less than `LEAST_SIDE` of it is inside.
     """
     height, width = image.shape[:2]
     left, right = (min(max(round(side), 0), width) for side in box[::2])

@@ -47,7 +47,7 @@ class InstrumentErrors:
 
 
 USUAL_ERRORS = InstrumentErrors()
-"""Those of the simulator's dives."""
+"""Errors of the instruments in the simulator's dives."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,13 +57,13 @@ class OdometryReading:
     Attributes
     ----------
     position : FloatArray
-        In the frame odom, shape (3,) [m].
+        Position in the frame odom, shape (3,) [m].
     angles : FloatArray
         Roll, pitch, yaw, shape (3,) [rad].
     pose_covariance : FloatArray
         Covariance of position and angles, shape (6, 6) [m², rad²].
     twist : FloatArray
-        In base_link, shape (6,) [m/s, rad/s].
+        Twist in base_link, shape (6,) [m/s, rad/s].
     twist_covariance : FloatArray
         Covariance of the twist, of noise and bias together, shape (6, 6) [m²/s², rad²/s²].
     """
@@ -104,7 +104,7 @@ class InstrumentSet:
     Parameters
     ----------
     start : VehicleState
-        Where the vehicle starts; odom lies where the vehicle believes the world to be then.
+        True state at the start; odom is the world frame by the vehicle's estimate then.
     """
 
     def __init__(

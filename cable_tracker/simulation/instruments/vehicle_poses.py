@@ -25,7 +25,7 @@ class VehiclePoses:
     times : FloatArray
         Times since the first frame, shape (N,) [s].
     positions : FloatArray
-        In the world of the simulation, shape (N, 3) [m]; z is the altitude.
+        Positions in the world of the simulation, shape (N, 3) [m]; z is the altitude.
     angles : FloatArray
         Roll, pitch, yaw as REP 103 has them, yaw from the world's y, shape (N, 3) [rad].
     """

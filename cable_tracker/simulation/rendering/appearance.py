@@ -76,7 +76,7 @@ class Lamp:
     Attributes
     ----------
     place : (float, float, float)
-        In the camera frame [m]: right, up, back.
+        Position in the camera frame [m]: right, up, back.
     aim : (float, float)
         Direction of the lamp: to the right and up from the camera's view [rad].
     spread : float

@@ -33,9 +33,9 @@ class CameraPoses:
     Attributes
     ----------
     positions : FloatArray
-        In the world, shape (N, 3) [m].
+        Positions in the world, shape (N, 3) [m].
     rotations : FloatArray
-        From the camera frame to the world frame, shape (N, 3, 3).
+        Rotations from the camera frame to the world frame, shape (N, 3, 3).
     """
 
     positions: FloatArray
@@ -68,7 +68,7 @@ class Camera:
     mounting : float
         Forward tilt of the camera: 0 straight down, pi/2 straight ahead [rad].
     distortion : Distortion
-        Of the lens.
+        Distortion of the lens.
     """
 
     image_size: tuple[int, int]

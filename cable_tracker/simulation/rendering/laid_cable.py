@@ -21,7 +21,7 @@ GAP_SPACING = 160.0
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """From where to where along the course of a cable [m]."""
+    """Stretch along the course of a cable: its start and end [m]."""
 
     start: float
     end: float

@@ -182,7 +182,7 @@ class ClosestApproach:
     start : float
         The course's coordinate of the eye [radii], which may be large.
     distance : Image
-        From the eye to where the line of sight is nearest to the axis [m].
+        Distance from the eye to where the line of sight is nearest to the axis [m].
     """
 
     p: Image

@@ -100,11 +100,11 @@ class Scenario:
     Attributes
     ----------
     name : str
-        In the table of scenarios.
+        Name in the table of scenarios.
     description : str
         Difficulty of the scenario, in a few words.
     frame_count : int
-        At 25 frames per second.
+        Number of frames, at 25 frames per second.
     motion : Motion
         Motion of the cable in the image.
     appearance : SceneAppearance

@@ -35,7 +35,7 @@ class ScenarioRun:
     twin : ImageTrajectory or None
         Trajectory of another target that looks like the first; None: there is none.
     twin_in_front : bool
-        Which of the two hides the other.
+        Whether the twin hides the target.
     stalks : tuple of (float, float)
         Upright stalks before everything: middle and half width [px].
     """

@@ -81,7 +81,7 @@ def made_texture(split: Split, kind: str, variant: int) -> Image:
     kind : str
         One of the kinds of the split.
     variant : int
-        Which of the textures of that kind.
+        Number of the texture of that kind.
     """
     rng = np.random.default_rng((split.number, KINDS[split].index(kind), variant))
     return _normalised(_MAKERS[kind](rng))

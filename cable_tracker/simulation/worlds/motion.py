@@ -45,13 +45,13 @@ PIPE_SKEWS = (4.0, 24.5)
 """Smallest and largest angle between a pipe's borders and its axis [deg]."""
 
 NEAREST_APEX = 130.0
-"""Borders meet no nearer to the foot point than this, so that no horizon is in view [px]."""
+"""Least distance from the foot point to where both borders meet, the horizon [px]."""
 
 USUAL_HEIGHT = 240.0
-"""Largest height of pictures in which that suffices [px at 320 px]."""
+"""Largest height of pictures for which `NEAREST_APEX` suffices [px at 320 px]."""
 
 APEX_MARGIN = 10.0
-"""In higher ones borders meet at least this far outside the picture [px at 320 px]."""
+"""Least distance of that point outside higher pictures [px at 320 px]."""
 
 LIVELY_BANDS: Bands = ((0.25, 0.4), (0.5, 0.7), (0.9, 1.2))
 """Frequencies of the lively motion [Hz]."""
@@ -89,7 +89,7 @@ def random_motion(
     angles : (float, float)
         Smallest and largest mean angle [deg].
     frame_count : int
-        At `WORLD_RATE`.
+        Number of frames at `WORLD_RATE`.
     height : float
         Height of the pictures [px at 320 px].
 

@@ -51,7 +51,7 @@ def view_strip(state: FloatArray, x: Image, y: Image) -> StripView:
     state : FloatArray
         d, alpha, w, beta first, shape (4,) or more [px, rad].
     x, y : Image
-        In the image frame [px].
+        Coordinates in the image frame [px].
     """
     distance, angle, width, skew = (float(value) for value in state[:4])
     cos, sin = np.float32(np.cos(angle)), np.float32(np.sin(angle))

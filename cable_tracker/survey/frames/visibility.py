@@ -81,8 +81,8 @@ def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, f
     Returns
     -------
     (float, float) or None
-        How far to the right of the state its borders are seen most clearly [widths], and how
-        clearly, as `border_step_of`; None where too little is inside.
+        Offset to the right of the state at which the borders are clearest [widths], and how
+        clear they are there, as `border_step_of`; None where too little is inside.
     """
     inside = _reach(image, state)
     if inside is None:

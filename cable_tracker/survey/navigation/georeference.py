@@ -54,13 +54,13 @@ class Georeference:
     Attributes
     ----------
     turn : float
-        From the dive's x to east [rad].
+        Angle from the dive's x to east [rad].
     shift : FloatArray
         Position of the dive's origin, shape (2,) [m].
     stamps : IndexArray
         Times of the fixes, and of others between them, shape (T,) [ns].
     drift : FloatArray
-        By how much odometry is off then, shape (T, 2) [m].
+        Error of odometry at these times, shape (T, 2) [m].
     variances : FloatArray
         Variance of each component of the drift, shape (T,) [m²].
     left_out : int

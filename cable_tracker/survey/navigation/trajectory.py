@@ -26,7 +26,7 @@ FASTEST, SLOW = 5.0, 0.1
 """Largest speed of a vehicle over a cable, and one that odometry may miss [m/s]."""
 
 MOST_STRAYS = 10
-"""So many readings in a row may have stamps of another time, ahead of all others, or behind."""
+"""Largest number of consecutive readings whose stamps of another time are strays."""
 
 BAD_PLACE = 1e7
 """Largest distance of odometry from its origin [m]."""

@@ -51,7 +51,7 @@ class SurveyMap:
     Attributes
     ----------
     routes : tuple of MergedRoute
-        In metres.
+        Routes in metres.
     frame : LocalFrame or None
         Earth frame of the routes; None: frame of odometry.
     names : tuple of str
@@ -59,7 +59,7 @@ class SurveyMap:
     events_in_time : tuple of Event
         Events of recordings without metres.
     root : str
-        From the folder of its files to that of the survey: "" or "../".
+        Relative path from the folder of its files to that of the survey: "" or "../".
     folder : Path or None
         Folder of its files, beside which pictures of events lie; None: there are none.
     """

@@ -45,7 +45,7 @@ class Event:
     kind : EventKind
         Kind of the event.
     along, end : float
-        From where to where along the route [m]; the same for a point.
+        Arc lengths of its beginning and end along the route [m]; equal for a point.
     place : (float, float)
         x, y of its beginning in the route's frame [m].
     stamp : int
@@ -55,13 +55,13 @@ class Event:
     frame : int
         Number of the frame of that time in the recording; -1 without one.
     detail : str
-        In words, with numbers and units.
+        Description with numbers and units.
     recording : str
-        Which dive; of several the one that the frame is of.
+        Name of the dive; of several dives, of the one that has the frame.
     others : tuple of str
-        The other dives.
+        Names of the other dives.
     end_stamp, end_frame : int
-        As `stamp` and `frame`, of its end.
+        Time and frame of its end, as `stamp` and `frame`.
     """
 
     kind: EventKind

@@ -16,11 +16,11 @@ class PlacedRoute:
     Attributes
     ----------
     recording : str
-        Which dive.
+        Name of the dive.
     route : DiveRoute
-        In the common frame.
+        Route in the common frame.
     events : tuple of Event
-        Along it.
+        Events along the route.
     """
 
     recording: str
@@ -30,7 +30,7 @@ class PlacedRoute:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MergedRoute:
-    """The cable as all dives together have it; columns with one value for each point.
+    """Route of the cable merged from all dives; columns with one value for each point.
 
     Attributes
     ----------
@@ -39,20 +39,20 @@ class MergedRoute:
     places : FloatArray
         x, y, shape (N, 2) [m].
     headings : FloatArray
-        From +x [rad].
+        Directions of the cable from +x [rad].
     sigmas : FloatArray
         Standard deviation across the cable [m].
     visible : FloatArray
-        Share of the dives' routes that see it, 0 to 1; NaN where none can say.
+        Share of the dives' routes in which the cable is visible, 0 to 1; NaN where unknown.
     diameters, asides : FloatArray
         Means over the dives' routes of the cable's diameter, and of how far beside it the vehicle
-        was, on whichever side [m]; NaN where none can say.
+        was, on whichever side [m]; NaN where unknown.
     dives : FloatArray
         Number of dives that observed each point, shape (N,).
     events : tuple of Event
-        Along it.
+        Events along the route.
     recordings : tuple of str
-        The dives.
+        Names of the dives.
     """
 
     along: FloatArray

@@ -34,7 +34,7 @@ SAME_EVENT = 3.0
 or if they share `SAME_SHARE` of the longer one."""
 
 SAME_SHARE = 0.5
-"""See `SAME_EVENT`."""
+"""Least common share of the longer of two events that are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,19 +56,19 @@ class _RouteOnAxis:
 
 
 class _WeightedMean(NamedTuple):
-    """Where routes have the cable together, at N points of an axis.
+    """Weighted mean of the routes at N points of an axis.
 
     Attributes
     ----------
     asides : FloatArray
-        How far to the left of the axis, shape (N,) [m]; 0 where none of them can say.
+        Mean lateral offset from the axis, to the left, shape (N,) [m]; 0 where no route counts.
     sigmas : FloatArray
-        Standard deviation of that, shape (N,) [m]; interpolated where none of them can say.
+        Standard deviation of the mean, shape (N,) [m]; interpolated where no route counts.
     counts : IndexArray
-        Number of routes that can say, shape (N,).
+        Number of routes that count, shape (N,).
     excess : FloatArray
-        Chi square by degree of freedom, shape (N,): more than 1 where they are farther apart than
-        they say themselves.
+        Chi square per degree of freedom, shape (N,); above 1 where routes are farther apart than
+        their standard deviations say.
     """
 
     asides: FloatArray

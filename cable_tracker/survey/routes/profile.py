@@ -44,7 +44,7 @@ class SmoothedDive:
     rows : Rows
         Rows of the `FrameTable`, shape (N,).
     look : FloatArray
-        Where the camera looks in each row, shape (N,) [m].
+        x of the look line in each row, ahead of the vehicle, shape (N,) [m].
     earth : Georeference or None
         Takes the dive's frame to that of the routes; None: they stay in it.
     disk : Disk

@@ -1,4 +1,4 @@
-"""From the smoothed keyframes of a dive to a route: points at even distances along the cable."""
+"""Routes made of the smoothed keyframes of a dive: points at even distances along the cable."""
 
 from __future__ import annotations
 
