@@ -66,7 +66,7 @@ GROUPS: Mapping[str, Mapping[str, ListedCommand]] = MappingProxyType(
         },
     }
 )
-"""Commands by what one wants to do, in the order of the help."""
+"""Commands by task, in the order of the help."""
 
 IN_ANY_LOCALE = "cable_tracker.in_any_locale"
 """Name under which Python knows `encodable`."""

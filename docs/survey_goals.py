@@ -195,17 +195,14 @@ def measure(path: Path, settings: Simulated) -> DiveResult:
     seconds = time.process_time() - begin
     if course is None or not surveyed.routes:
         raise SystemExit(f"{path}: no route; {surveyed.notes}")
-    truth = Truth(path, settings)
-    rows = dive.table.rows
-    keyframes, cable = course.keyframes, course.cable
-    look = rows["look"][keyframes.first]
+    truth, cable = Truth(path, settings), course.cable
+    look = dive.table.rows["look"][course.keyframes.first]
     look = np.where(np.isfinite(look), look, np.nanmedian(look))
-    along, beside = truth.cable_ahead(keyframes.stamps.astype(float), look)
+    along, beside = truth.cable_ahead(course.keyframes.stamps.astype(float), look)
     on_route = _on_routes(cable, [each.route for each in surveyed.routes])
-    errors = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
-    sigmas = np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1])
-    forwards = smooth(keyframes, dive.disk, backward_pass=False)
-    errors_forwards = (forwards.states[:, 0] - beside) * np.cos(forwards.states[:, 1])
+    errors = _lateral_errors(cable, beside)[on_route]
+    sigmas = (np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1]))[on_route]
+    forwards = smooth(course.keyframes, dive.disk, backward_pass=False)
     mapping = _CourseMapping(course, along)
     events = [
         (event, *mapping.true_stretch(event, each.route))
@@ -217,9 +214,9 @@ def measure(path: Path, settings: Simulated) -> DiveResult:
     return DiveResult(
         path.name,
         done.length,
-        _rms(errors[on_route]),
-        _rms(errors_forwards[on_route]),
-        float((np.abs(errors[on_route]) < REGION * sigmas[on_route]).mean()),
+        _rms(errors),
+        _rms(_lateral_errors(forwards, beside)[on_route]),
+        float((np.abs(errors) < REGION * sigmas).mean()),
         ends,
         sand,
         found,
@@ -227,6 +224,12 @@ def measure(path: Path, settings: Simulated) -> DiveResult:
         _judge_false(settings, truth.tube, events),
         surveyed.seconds / seconds,
     )
+
+
+def _lateral_errors(cable: SmoothedCable, beside: FloatArray) -> FloatArray:
+    """Return the errors across a cable, whose true offsets from the vehicle are given, (S,) [m]."""
+    errors: FloatArray = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
+    return errors
 
 
 def _truncated(settings: Simulated, reach: float) -> Simulated:

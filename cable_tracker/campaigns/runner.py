@@ -33,7 +33,7 @@ Result_co = TypeVar("Result_co", covariant=True)
 Result = TypeVar("Result")
 
 Advance = Callable[[int], None]
-"""Told now and then how many more frames are done."""
+"""Called with the number of frames done since its last call."""
 
 
 class Ended(NamedTuple):
@@ -122,7 +122,7 @@ def run_all(
     settings : CampaignSettings
         Machines that run the tasks, and the folder of results.
     advance : callable
-        Told now and then how many more frames are done; kept results have none.
+        Called with the number of frames done since its last call; kept results have none.
 
     Raises
     ------
@@ -172,9 +172,9 @@ def run_folder_tasks(
     resume : bool
         Keep what is there of the same input, parameters and version.
     advance : callable
-        Told now and then how many more frames are done.
+        Called with the number of frames done since its last call.
     finished : callable
-        Told of each task that has ended.
+        Called with the outcome of each task that has ended.
 
     Returns
     -------

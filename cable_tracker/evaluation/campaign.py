@@ -120,7 +120,7 @@ def evaluate_methods(
     settings : CampaignSettings
         Machines that run it, and the folder of results.
     advance : callable
-        Told now and then how many more frames are done.
+        Called with the number of frames done since its last call.
 
     Returns
     -------

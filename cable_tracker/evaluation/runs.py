@@ -208,7 +208,7 @@ def run_together(
     frames : iterable of EvaluationFrame
         At least one frame.
     advance : callable
-        Told how many more frames are done.
+        Called with the number of frames done since its last call.
     """
     for frame in frames:
         for run in runs:

@@ -105,13 +105,13 @@ class Trace:
 
     @property
     def visible(self) -> BoolArray:
-        """Whether there is a cable to be seen, and known where, shape (T,)."""
+        """Whether a cable is visible, and its true state known, shape (T,)."""
         known = np.isfinite(self.truths).all(axis=1)
         return np.asarray(known & (self.visibility > 0.0))
 
     @property
     def hidden(self) -> BoolArray:
-        """Whether it is known that no cable is to be seen, shape (T,)."""
+        """Whether it is known that no cable is visible, shape (T,)."""
         return np.asarray(self.visibility == 0.0)
 
     @property

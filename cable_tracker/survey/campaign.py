@@ -246,36 +246,32 @@ def _merge_and_write(
     datum: tuple[float, float] | None,
     paths: Sequence[Path],
 ) -> SurveyResult:
-    """Merge what has come of all recordings, and write it."""
+    """Merge the results of all recordings, and write them."""
     root = output / RECORDINGS
-    dives: dict[str, SurveyedDive] = {}
-    rows = []
-    for outcome in outcomes:
-        row = RecordingRow(outcome.name, f"failed: {printable(outcome.reason)}")
-        if outcome.state is not TaskState.FAILED:
-            try:
-                dive = dives[outcome.name] = read_surveyed(root / outcome.name)
-                row = RecordingRow(
-                    dive.name,
-                    "done",
-                    dive.frames,
-                    dive.tracked,
-                    dive.seconds,
-                    tuple(map(printable, dive.notes)),
-                )
-            except RecordingError as error:
-                row = RecordingRow(outcome.name, f"failed: {printable(str(error))}")
-                # What is damaged is not kept: the next `--resume` does it again.
-                forget(root / outcome.name)
-        rows.append(row)
+    results = [_read_result(root, outcome) for outcome in outcomes]
+    dives, rows = [dive for dive, _ in results if dive is not None], [row for _, row in results]
     if not dives and (output / FRAMES).is_file():
         return SurveyResult((), (), tuple(outcomes), tuple(rows), (), is_earlier_map_kept=True)
     try:
-        routes, names = _write_all(output, list(dives.values()), rows, datum)
+        routes, names = _write_all(output, dives, rows, datum)
     except OSError as error:
         raise write_failure(output, error) from error
     left_out = _results_of_others(root, paths) - {outcome.name for outcome in outcomes}
     return SurveyResult(routes, names, tuple(outcomes), tuple(rows), tuple(sorted(left_out)))
+
+
+def _read_result(root: Path, outcome: Outcome) -> tuple[SurveyedDive | None, RecordingRow]:
+    """Read the results of a recording; return them, None if it failed, and its row of the table."""
+    if outcome.state is TaskState.FAILED:
+        return None, RecordingRow(outcome.name, f"failed: {printable(outcome.reason)}")
+    try:
+        dive = read_surveyed(root / outcome.name)
+    except RecordingError as error:
+        # What is damaged is not kept: the next `--resume` does it again.
+        forget(root / outcome.name)
+        return None, RecordingRow(outcome.name, f"failed: {printable(str(error))}")
+    notes = tuple(map(printable, dive.notes))
+    return dive, RecordingRow(dive.name, "done", dive.frames, dive.tracked, dive.seconds, notes)
 
 
 def _results_of_others(root: Path, paths: Sequence[Path]) -> set[str]:
@@ -297,20 +293,20 @@ def _write_all(
 ) -> tuple[tuple[MergedRoute, ...], tuple[str, ...]]:
     """Merge the routes of dives, and write them; return routes and names of `SurveyResult`."""
     on_earth = [placed for dive in dives if dive.on_earth for placed in dive.routes]
-    own = [placed for dive in dives if not dive.on_earth for placed in dive.routes]
+    unplaced = [placed for dive in dives if not dive.on_earth for placed in dive.routes]
     in_time = tuple(event for dive in dives for event in dive.events)
     frame = LocalFrame(*datum) if datum is not None and on_earth else None
     merged = _longest_first(merge(on_earth))
-    apart = _longest_first([route for placed in own for route in merge([placed])])
-    beside = output / WITHOUT_PLACE
-    _remove_map(beside)
+    apart = _longest_first([route for placed in unplaced for route in merge([placed])])
+    folder_apart = output / WITHOUT_PLACE
+    _remove_map(folder_apart)
     names, names_apart = _names(merged), _names(apart)
     # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
     if frame is not None:
         _write_map(output, SurveyMap(tuple(merged), frame, names, in_time), rows)
         if apart:
-            beside.mkdir(exist_ok=True)
-            _write_map(beside, SurveyMap(tuple(apart), None, names_apart, root="../"), rows)
+            folder_apart.mkdir(exist_ok=True)
+            _write_map(folder_apart, SurveyMap(tuple(apart), None, names_apart, root="../"), rows)
             names_apart = tuple(f"{WITHOUT_PLACE}: {name}" for name in names_apart)
     else:
         _write_map(output, SurveyMap(tuple(apart), None, names_apart, in_time), rows)

@@ -25,7 +25,7 @@ seconds."""
 
 
 class LazyGroup(TyperGroup):
-    """A group of commands, listed by what one wants to do.
+    """A group of commands, listed by task.
 
     Attributes
     ----------

@@ -167,7 +167,7 @@ class AblationExperiment(CampaignExperiment):
     start : Start
         What the trackers are told at the beginning.
     notes : tuple of str
-        What is said of the sequences, below the table.
+        Notes on the sequences, below the table.
     """
 
     seeds: tuple[int, ...]

@@ -14,7 +14,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     SimulatedVehicle,
-    Spoken,
+    TimedMessage,
     odometry_message,
     simulated_vehicle,
 )
@@ -68,9 +68,9 @@ def faulty(
     begin = stamps[0] + round(FAULT_AFTER * NANOSECONDS)
     first = next((k for k, stamp in enumerate(stamps) if stamp >= begin), len(stamps))
     lateness = round(LATENESS * NANOSECONDS)
-    arrivals, said, values = list(stamps), list(stamps), twists.copy()
+    arrivals, stated, values = list(stamps), list(stamps), twists.copy()
     if fault is OdometryFault.SILENT:
-        return arrivals[:first], said[:first], values[:first]
+        return arrivals[:first], stated[:first], values[:first]
     if fault in (OdometryFault.FROZEN, OdometryFault.HANGING):
         values[first:] = values[min(first, len(values) - 1)]
         if fault is OdometryFault.HANGING:
@@ -78,16 +78,16 @@ def faulty(
     elif fault is OdometryFault.LATE:
         arrivals = [stamp + lateness for stamp in arrivals]
     elif fault is OdometryFault.WRONG_STAMPS:
-        said = [stamp + lateness for stamp in said]
+        stated = [stamp + lateness for stamp in stated]
     elif fault is OdometryFault.TURNED:
         values[:, [0, 1, 3, 4]] *= -1.0
     elif fault is OdometryFault.SCALED:
         values *= WRONG_SCALE
-    return arrivals, said, values
+    return arrivals, stated, values
 
 
 class AidedMethod:
-    """The tracker of this project, with the instruments of a vehicle as a node hears them.
+    """The tracker of this project, with the instruments of a vehicle, as a node receives them.
 
     Parameters
     ----------
@@ -104,21 +104,21 @@ class AidedMethod:
     ) -> None:
         self._tracker = make_tracker(parameters)
         self._fusion = CableInstrumentFusion(vehicle.parameters)
-        coming = [(stamp, (stamp, *said)) for stamp, *said in vehicle.messages]
+        pending = [(message[0], message) for message in vehicle.messages]
         if fault is not None:
             rng = np.random.default_rng([parameters.seed, 21])
-            coming += _odometry_messages(vehicle, fault, rng)
+            pending += _odometry_messages(vehicle, fault, rng)
         # Taken from the end.
-        self._coming = sorted(coming, key=itemgetter(0))[::-1]
+        self._pending = sorted(pending, key=itemgetter(0))[::-1]
 
     def initialise(self, given: GivenState) -> None:
         """Start from this cable at the next frame."""
         self._tracker.initialise(given)
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
-        """Take a frame into account, with what instruments have said until then."""
-        while self._coming and self._coming[-1][0] <= stamp:
-            stated, instrument, message = self._coming.pop()[1]
+        """Take a frame into account, with the instruments' messages until then."""
+        while self._pending and self._pending[-1][0] <= stamp:
+            stated, instrument, message = self._pending.pop()[1]
             self._fusion.take_message(instrument, stated, message)
         motion = self._fusion.motion(stamp, image)
         estimate = self._tracker.process(image, stamp, motion)
@@ -132,16 +132,16 @@ class AidedMethod:
 
 def _odometry_messages(
     vehicle: SimulatedVehicle, fault: OdometryFault, rng: np.random.Generator
-) -> list[tuple[int, Spoken]]:
+) -> list[tuple[int, TimedMessage]]:
     """Return the messages of odometry with a fault, each with its time of arrival [ns]."""
     twists = np.array([reading.twist for reading in vehicle.odometry])
-    said = zip(*faulty(vehicle.odometry_stamps, twists, fault, rng), strict=True)
+    readings = zip(*faulty(vehicle.odometry_stamps, twists, fault, rng), strict=True)
     return [
         (
             arrival,
             (stamp, Instrument.ODOMETRY, odometry_message(stamp, replace(sound, twist=twist))),
         )
-        for sound, (arrival, stamp, twist) in zip(vehicle.odometry, said, strict=False)
+        for sound, (arrival, stamp, twist) in zip(vehicle.odometry, readings, strict=False)
     ]
 
 

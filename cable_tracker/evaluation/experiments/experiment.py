@@ -57,12 +57,12 @@ class Experiment(Protocol):
         ...
 
     def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it; `advance` is told now and then how many more frames are done."""
+        """Run it; `advance` is called with the number of frames done since its last call."""
         ...
 
 
 class CampaignExperiment(ABC):
-    """A campaign, and what is said of its runs."""
+    """An experiment that is one campaign of runs."""
 
     @abstractmethod
     def campaign(self) -> Campaign:
@@ -77,7 +77,7 @@ class CampaignExperiment(ABC):
         return self.campaign().frame_count()
 
     def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it; `advance` is told now and then how many more frames are done."""
+        """Run it; `advance` is called with the number of frames done since its last call."""
         return self.result_of(evaluate_methods(self.campaign(), settings, advance=advance))
 
 

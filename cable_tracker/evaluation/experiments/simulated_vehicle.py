@@ -46,11 +46,11 @@ TRUTH_REACH, TRUTH_STEP = 3.0, 0.02
 
 FACTORY = RosbagsMessages()
 
-Spoken = tuple[int, Instrument, Message]
-"""Time of a message [ns], the instrument that says it, and the message."""
+TimedMessage = tuple[int, Instrument, Message]
+"""Stamp of a message [ns], its instrument, and the message."""
 
 EXPERIMENT_ERRORS = InstrumentErrors(turn_bias=math.radians(0.1), velocity_scale=0.01)
-"""How wrong the instruments are in experiments: worse than in the simulator's dives."""
+"""Errors of the instruments in experiments: larger than in the simulator's dives."""
 
 
 def cables_below(dive: Dive, poses: VehiclePoses) -> FloatArray:
@@ -76,28 +76,28 @@ def cables_below(dive: Dive, poses: VehiclePoses) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedVehicle:
-    """What the instruments of a scenario's vehicle say during the dive, and the truth.
+    """Messages of the instruments of a scenario's vehicle during a dive, and the truth.
 
     Attributes
     ----------
     truths : FloatArray
         Offset at x = 0, offset ahead, heading in each frame, shape (N, 3) [m, rad].
     altitudes : FloatArray
-        True ones in each frame, shape (N,) [m].
+        True altitudes in each frame, shape (N,) [m].
     parameters : CableVehicleParameters
         Mounting and errors of camera and instruments.
     messages : list of (int, Instrument, Message)
-        What all instruments but odometry say, each with its time [ns].
+        Messages of all instruments but odometry, each with its stamp [ns].
     odometry : list of OdometryReading
-        Length M.
+        Readings of odometry, length M.
     odometry_stamps : list of int
-        Their times, length M [ns].
+        Stamps of these readings, length M [ns].
     """
 
     truths: FloatArray
     altitudes: FloatArray
     parameters: CableVehicleParameters
-    messages: list[Spoken]
+    messages: list[TimedMessage]
     odometry: list[OdometryReading]
     odometry_stamps: list[int]
 
@@ -130,7 +130,9 @@ def simulated_vehicle(
     )
 
 
-def _messages(ticks: Iterable[Tick], camera: Camera, errors: InstrumentErrors) -> Iterator[Spoken]:
+def _messages(
+    ticks: Iterable[Tick], camera: Camera, errors: InstrumentErrors
+) -> Iterator[TimedMessage]:
     at_camera = make_header(FACTORY, FIRST_STAMP, CAMERA)
     calibration = make_camera_info(FACTORY, at_camera, camera)
     yield FIRST_STAMP, Instrument.CAMERA_INFO, calibration
@@ -144,5 +146,5 @@ def _messages(ticks: Iterable[Tick], camera: Camera, errors: InstrumentErrors) -
 
 
 def odometry_message(stamp: int, reading: OdometryReading) -> Message:
-    """Pack what odometry says of a time [ns]."""
+    """Pack a reading of odometry with a stamp [ns]."""
     return make_odometry(FACTORY, make_header(FACTORY, stamp, ODOM), reading)

@@ -41,7 +41,7 @@ class ChaseRow:
     range, range_sigma : float
         Estimated distance and its standard deviation; NaN without an estimate [m].
     off : float
-        Distance between the place that is told and the true one [m]; NaN likewise.
+        Distance between the estimated position and the true one [m]; NaN likewise.
     """
 
     time: float
@@ -68,7 +68,7 @@ class ChaseSummary:
     kept : float
         Share of the frames in which the distance is off by less than a metre.
     claimed_in_view, claimed_while_absent : float
-        Shares of the frames with and without something of the target to be seen.
+        Shares of the claimed frames, of those with and of those without the target in view.
     times_hidden, times_found_again : int
         Numbers of disappearances, and of those after which it was soon claimed again.
     range_error : float

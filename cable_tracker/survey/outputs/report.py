@@ -70,7 +70,38 @@ def write_report(
         ],
         "events": events,
     }
-    environment = Environment(
+    script = files("cable_tracker.survey.outputs").joinpath("report.js").read_text("utf-8")
+    page = (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            title=title,
+            recordings=recordings,
+            events=event_rows(survey),
+            on_earth=survey.frame is not None,
+            datum=""
+            if survey.frame is None
+            else f"{survey.frame.latitude:.7f}, {survey.frame.longitude:.7f}",
+            routes=[
+                _summary(name, route)
+                for name, route in zip(survey.names, survey.routes, strict=True)
+            ],
+            pictured=[
+                *(each["picture"] >= 0 for each in events),
+                *(False for _ in survey.events_in_time),
+            ],
+            pictures=json.dumps(pictures.encoded),
+            # "</script>" inside a text must not end the script.
+            data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
+            script=script,
+        )
+    )
+    path.write_text(page, encoding="utf-8")
+
+
+def _environment() -> Environment:
+    """Return the settings of the page's template."""
+    return Environment(
         loader=PackageLoader("cable_tracker.survey", "outputs"),
         autoescape=True,
         undefined=StrictUndefined,
@@ -79,28 +110,6 @@ def write_report(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    script = files("cable_tracker.survey.outputs").joinpath("report.js").read_text("utf-8")
-    page = environment.get_template("report.html.j2").render(
-        title=title,
-        recordings=recordings,
-        events=event_rows(survey),
-        on_earth=survey.frame is not None,
-        datum=""
-        if survey.frame is None
-        else f"{survey.frame.latitude:.7f}, {survey.frame.longitude:.7f}",
-        routes=[
-            _summary(name, route) for name, route in zip(survey.names, survey.routes, strict=True)
-        ],
-        pictured=[
-            *(each["picture"] >= 0 for each in events),
-            *(False for _ in survey.events_in_time),
-        ],
-        pictures=json.dumps(pictures.encoded),
-        # "</script>" inside a text must not end the script.
-        data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
-        script=script,
-    )
-    path.write_text(page, encoding="utf-8")
 
 
 def _summary(name: str, route: MergedRoute) -> Mapping[str, object]:

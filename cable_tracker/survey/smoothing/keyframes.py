@@ -107,25 +107,33 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
     breaks = disk.filled(count, lambda part: gaps[part] > MOST_SPACING, np.bool_)
     breaks[:1] = True
     isolated = _isolated_claims(summed(gaps, disk), claims, disk)
+    return Keyframes(
+        own,
+        disk.filled(count, lambda part: rows["stamp"][first[part]], np.int64),
+        claims,
+        covariances,
+        _doubtful_claims(diameters, border_steps, isolated, disk),
+        breaks,
+        first,
+        last,
+    )
+
+
+def _doubtful_claims(
+    diameters: FloatArray, border_steps: FloatArray, isolated: BoolArray, disk: Disk
+) -> BoolArray:
+    """Tell which claims may be of something else than the cable; all arrays (S,)."""
     usual_diameter, usual_step = _usual(diameters, disk), _usual(border_steps, disk)
 
-    def doubts(part: slice) -> BoolArray:
+    def doubtful(part: slice) -> BoolArray:
         with np.errstate(invalid="ignore"):
             odd = np.abs(diameters[part] - usual_diameter) > ODD_DIAMETER * usual_diameter
             weak = border_steps[part] < WEAK_BORDERS * usual_step
         found: BoolArray = odd | weak | isolated[part]
         return found
 
-    return Keyframes(
-        own,
-        disk.filled(count, lambda part: rows["stamp"][first[part]], np.int64),
-        claims,
-        covariances,
-        disk.filled(count, doubts, np.bool_),
-        breaks,
-        first,
-        last,
-    )
+    whole: BoolArray = disk.filled(len(diameters), doubtful, np.bool_)
+    return whole
 
 
 def _first_and_last(look_lines: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:

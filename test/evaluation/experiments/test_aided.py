@@ -15,46 +15,46 @@ STAMPS = [1_000_000_000 + k * 20_000_000 for k in range(100)]
 TWISTS = np.random.default_rng(2).standard_normal((100, 6))
 
 
-def said(fault):
+def faulty_odometry(fault):
     return faulty(STAMPS, TWISTS, fault, np.random.default_rng(0))
 
 
 def test_sound_odometry_says_what_it_measures():
-    arrivals, stamps, twists = said(OdometryFault.NONE)
+    arrivals, stamps, twists = faulty_odometry(OdometryFault.NONE)
     assert arrivals == stamps == STAMPS
     np.testing.assert_array_equal(twists, TWISTS)
 
 
 def test_a_frozen_one_repeats_itself():
-    twists = said(OdometryFault.FROZEN)[2]
+    twists = faulty_odometry(OdometryFault.FROZEN)[2]
     np.testing.assert_array_equal(twists[:50], TWISTS[:50])
     assert (twists[50:] == TWISTS[50]).all()
 
 
 def test_a_hanging_one_repeats_itself_with_noise():
-    twists = said(OdometryFault.HANGING)[2]
+    twists = faulty_odometry(OdometryFault.HANGING)[2]
     assert np.abs(twists[50:] - TWISTS[50]).max() < 0.01
     assert np.unique(twists[50:, 0]).size == 50
 
 
 def test_a_silent_one_stops():
-    assert [len(part) for part in said(OdometryFault.SILENT)] == [50, 50, 50]
+    assert [len(part) for part in faulty_odometry(OdometryFault.SILENT)] == [50, 50, 50]
 
 
 def test_lateness_and_wrong_stamps_are_two_things():
-    arrivals, stamps, _ = said(OdometryFault.LATE)
+    arrivals, stamps, _ = faulty_odometry(OdometryFault.LATE)
     assert stamps == STAMPS and arrivals[0] == STAMPS[0] + 500_000_000
-    arrivals, stamps, _ = said(OdometryFault.WRONG_STAMPS)
+    arrivals, stamps, _ = faulty_odometry(OdometryFault.WRONG_STAMPS)
     assert arrivals == STAMPS and stamps[0] == STAMPS[0] + 500_000_000
 
 
 def test_one_that_is_mounted_the_wrong_way_round():
-    twists = said(OdometryFault.TURNED)[2]
+    twists = faulty_odometry(OdometryFault.TURNED)[2]
     np.testing.assert_array_equal(twists * [-1, -1, 1, -1, -1, 1], TWISTS)
 
 
 def test_one_whose_scale_is_wrong():
-    np.testing.assert_allclose(said(OdometryFault.SCALED)[2], 1.3 * TWISTS)
+    np.testing.assert_allclose(faulty_odometry(OdometryFault.SCALED)[2], 1.3 * TWISTS)
 
 
 @pytest.mark.parametrize(
