@@ -84,7 +84,7 @@ ORDER_WITHIN = {
         "parameters", "model", "measure", "learning", "filter_interface",
         "hypotheses", "thesis",
     ],
-    "cable/measure": ["gradients", "map", "picture", "borders"],
+    "cable/measure": ["scan_filters", "scanned_gradients", "map", "picture", "borders"],
     "cable/hypotheses": [
         "predict", "weigh", "propose", "conclude", "belief", "belief_summary", "prediction",
         "multi_hypothesis_filter",

@@ -28,7 +28,7 @@ WITHOUT_COMPILING = (
     "test/cable/hypotheses/weigh/test_clusters.py",
     "test/cable/hypotheses/test_prediction.py",
     "test/cable/thesis/test_bootstrap_filter.py",
-    "test/cable/measure/gradients/test_scanned_gradients.py::test_lines_know_where_they_are",
+    "test/cable/measure/test_scanned_gradients.py::test_lines_know_where_they_are",
     "test/particle_filter/test_weights.py",
 )
 """Kernels as plain Python take long, so few of them."""

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
 from cable_tracker.detection.coherent_lines import (

@@ -13,7 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.measure.map.map_network import CELL
-from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
+from cable_tracker.cable.measure.picture.overlays import without_dead_margins
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world

@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
+from cable_tracker.cable.measure.map.cable_map import cable_map_of
 from cable_tracker.cable.measure.map.map_network import CELL
+from cable_tracker.cable.measure.map.map_strips import strip_shares
 from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE
 

@@ -28,7 +28,7 @@ from cable_tracker.cable.hypotheses.weigh.presence import (
     LIKELY_PRESENCE,
     LOWEST,
 )
-from cable_tracker.cable.measure.map.kept_map import NO_KEPT_MAP, KeptMap
+from cable_tracker.cable.measure.map.cable_map import NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters

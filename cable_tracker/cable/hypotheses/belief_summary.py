@@ -20,7 +20,7 @@ from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.weigh.clusters import Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import is_same_hypothesis
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
-from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
+from cable_tracker.cable.measure.map.cable_map import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state, wrapped_estimate
 from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, STATE_SIZE, WIDTH, CableState

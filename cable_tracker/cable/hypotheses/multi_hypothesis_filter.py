@@ -66,17 +66,18 @@ from cable_tracker.cable.hypotheses.weigh.presence import (
     LIKELY_PRESENCE,
     is_same_hypothesis,
 )
-from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.borders.likelihood_ratio import (
+    BorderLikelihoodRatio,
+    polarity_prior,
+)
 from cable_tracker.cable.measure.map.cable_map import (
     CableMap,
     ExpectedOverlap,
+    KeptMap,
     overlap_of_best,
     overlap_of_expected,
 )
-from cable_tracker.cable.measure.map.kept_map import KeptMap
-from cable_tracker.cable.measure.map.map_borders import map_borders
-from cable_tracker.cable.measure.map.map_strips import strips_of_map
+from cable_tracker.cable.measure.map.map_strips import map_borders, strips_of_map
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement, MotionAid

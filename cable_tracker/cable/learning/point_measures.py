@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import Float32Array, IndexArray
-from cable_tracker.cable.measure.borders.response_bins import contrast_cell, edge_cell
+from cable_tracker.cable.measure.borders.response_table import contrast_cell, edge_cell
 from cable_tracker.compilation import compiled
 
 

@@ -16,8 +16,8 @@ from cable_tracker.cable.measure.borders.border_points import (
     measure_responses,
     room_for_crossings,
 )
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.measure.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.compilation import compiled
 

@@ -11,11 +11,11 @@ from cable_tracker.cable.learning.response_histograms import (
     ResponseHistograms,
     table_from_histograms,
 )
-from cable_tracker.cable.measure.borders.response_bins import (
+from cable_tracker.cable.measure.borders.response_table import (
     CLASSES,
     STRENGTHS,
+    ResponseTable,
 )
-from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import image_reaches
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, WIDTH, CableState

@@ -9,11 +9,12 @@ import numpy as np
 
 from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.learning.point_measures import PointMeasures
-from cable_tracker.cable.measure.borders.response_bins import (
+from cable_tracker.cable.measure.borders.response_table import (
     CONTRAST_SHAPE,
     EDGE_SHAPE,
+    RATIO_LIMIT,
+    ResponseTable,
 )
-from cable_tracker.cable.measure.borders.response_table import RATIO_LIMIT, ResponseTable
 from cable_tracker.errors import ParameterError
 
 STRAY_SHARE = 0.1

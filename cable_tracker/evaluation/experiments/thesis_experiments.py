@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.cable.measure.gradients.scan_filters import REACH
+from cable_tracker.cable.measure.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods

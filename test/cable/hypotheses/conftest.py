@@ -8,8 +8,10 @@ from plain_images import plain_image
 
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameInputs
-from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.borders.likelihood_ratio import (
+    BorderLikelihoodRatio,
+    polarity_prior,
+)
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, NOTHING_EXPECTED
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

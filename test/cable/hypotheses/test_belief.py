@@ -20,9 +20,7 @@ from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion
 from cable_tracker.cable.hypotheses.conclude.first_claim import CRISP
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.measure.map.cable_map import NO_MAP
-from cable_tracker.cable.measure.map.kept_map import NO_KEPT_MAP, KeptMap
-from cable_tracker.cable.measure.map.map_borders import MapBorders
+from cable_tracker.cable.measure.map.cable_map import NO_KEPT_MAP, NO_MAP, KeptMap, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

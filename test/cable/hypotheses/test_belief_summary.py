@@ -23,7 +23,7 @@ from cable_tracker.cable.hypotheses.conclude.evidence_correction import ORDINARY
 from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.predict.remembered_cable import remember
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
-from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
+from cable_tracker.cable.measure.map.cable_map import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset

@@ -19,15 +19,16 @@ from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST, LEAST_PRESENC
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.map.cable_map import (
+    LONGEST_KEPT,
+    NO_KEPT_MAP,
     NOTHING_EXPECTED,
+    KeptMap,
+    MapBorders,
     cable_map_of,
     map_overlap,
     overlap_of_best,
-    strip_shares,
 )
-from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, NO_KEPT_MAP, KeptMap
-from cable_tracker.cable.measure.map.map_borders import MapBorders, map_borders
-from cable_tracker.cable.measure.map.map_strips import strips_of_map
+from cable_tracker.cable.measure.map.map_strips import map_borders, strip_shares, strips_of_map
 from cable_tracker.cable.measure.picture import working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters

@@ -11,7 +11,7 @@ from cable_tracker.cable.learning.response_counts import (
     strength_class,
 )
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.borders.response_bins import CLASSES
+from cable_tracker.cable.measure.borders.response_table import CLASSES
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import ParameterError

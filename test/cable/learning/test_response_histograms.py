@@ -8,8 +8,7 @@ from cable_tracker.cable.learning.response_histograms import (
     ResponseHistograms,
     table_from_histograms,
 )
-from cable_tracker.cable.measure.borders.response_bins import CLASSES
-from cable_tracker.cable.measure.borders.response_table import RATIO_LIMIT
+from cable_tracker.cable.measure.borders.response_table import CLASSES, RATIO_LIMIT
 from cable_tracker.errors import ParameterError
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.cable.learning.point_measures import PointMeasures
-from cable_tracker.cable.measure.borders.response_bins import CONTRAST_BINS
-from cable_tracker.cable.measure.borders.response_table import ResponseTable
+from cable_tracker.cable.measure.borders.response_table import CONTRAST_BINS, ResponseTable
 
 
 def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:

@@ -2,7 +2,7 @@ import dataclasses
 
 import pytest
 
-from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
+from cable_tracker.cable.measure.scan_filters import scan_kernels
 from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     SPEED_TAPS,

@@ -17,8 +17,10 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig, FrameInputs
-from cable_tracker.cable.measure.borders.likelihood_ratio import measured_cables
-from cable_tracker.cable.measure.borders.polarity_prior import marginal_log_ratios
+from cable_tracker.cable.measure.borders.likelihood_ratio import (
+    marginal_log_ratios,
+    measured_cables,
+)
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
     image_reach,

@@ -50,11 +50,13 @@ from cable_tracker.cable.hypotheses.weigh.score_likelihood import (
 )
 from cable_tracker.cable.measure.borders.appearance import appearances_of
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
+    BRIGHT,
+    DARK,
     BorderClearness,
     border_clearness,
+    bright_share,
     measured_cables,
 )
-from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK, bright_share
 from cable_tracker.cable.measure.map.cable_map import is_worked_out, map_match
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH

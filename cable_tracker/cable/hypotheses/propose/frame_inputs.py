@@ -15,10 +15,9 @@ from cable_tracker.cable.hypotheses.weigh.presence import (
     SAME_HYPOTHESIS_RADII,
     PriorPresence,
 )
-from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
-from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
+from cable_tracker.cable.measure.borders.likelihood_ratio import PolarityPrior, RatioModel
 from cable_tracker.cable.measure.map.cable_map import CableMap, ExpectedOverlap, MapWeights
+from cable_tracker.cable.measure.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import (

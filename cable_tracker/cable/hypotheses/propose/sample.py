@@ -14,11 +14,12 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predict.predicted_density import DensityValues, empty_densities
-from cable_tracker.cable.measure.borders.likelihood_ratio import CableMeasures, allocate_measures
-from cable_tracker.cable.measure.borders.polarity_prior import (
+from cable_tracker.cable.measure.borders.likelihood_ratio import (
     BRIGHT,
     DARK,
+    CableMeasures,
     PolarityPrior,
+    allocate_measures,
     marginal_log_ratio,
 )
 from cable_tracker.cable.model.geometry import borders_cross_inside

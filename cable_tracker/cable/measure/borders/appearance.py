@@ -11,7 +11,7 @@ thing, and three numbers say most of it:
 * *Length in view.* Of what has one border in a corner of the picture next to nothing is known.
 
 With a map of the frame (`cable_map`), how well the strip matches it says more than all of these.
-Then a cable one end of which is covered (`covered_end`) is looked at without that end, too, at a
+Then a cable one end of which is covered (`stretches`) is looked at without that end, too, at a
 cost, and the larger of both counts; without a map, whatever ends in the picture would pass for one.
 
 The weights are those of a conditional logit model of which strip of a frame is the cable, or
@@ -37,10 +37,11 @@ from cable_tracker.cable.measure.borders.border_points import (
     width_across,
 )
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
+    BRIGHT,
+    DARK,
     RatioModel,
     measured_cables,
 )
-from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     fill_by_stretch,
@@ -48,14 +49,13 @@ from cable_tracker.cable.measure.borders.stretches import (
     stretch_axis,
     stretch_scale,
 )
-from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.map.cable_map import (
     CableMap,
     bounded_log_odds,
     is_worked_out,
     map_match,
 )
+from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, ScanInputs, ScanLines
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.compilation import (
     compiled_fast_loop,
@@ -106,7 +106,7 @@ UNDECIDED = -12.3
 COVERED_END = 4.0
 """What it costs that a covered end of a cable is not looked at [nats]: the less, the more strips
 that are none pass for cables. Chosen on the worlds to tune on; see also `MOST_UNSEEN` of
-`covered_end`."""
+`stretches`."""
 
 MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
 """With a map: the weights of the log-odds of both shares of `MapMatch` and of what the above make

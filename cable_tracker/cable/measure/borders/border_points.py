@@ -15,9 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import Float32Array, FloatArray
-from cable_tracker.cable.measure.gradients.gradient_shape import directional_gain
-from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
+from cable_tracker.cable.measure.scanned_gradients import (
+    ACROSS,
+    ALONG,
+    SLOPE,
+    ScanInputs,
+    ScanLines,
+    directional_gain,
+)
 from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_part

@@ -19,48 +19,34 @@ import numpy as np
 
 from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.measure.borders.border_points import (
-    BLOCK,
-    BorderLine,
-    Crossings,
     border_line,
-    find_crossings,
-    measure_contrasts,
-    measure_responses,
-    padded_count,
     room_for_crossings,
 )
-from cable_tracker.cable.measure.borders.polarity_prior import (
-    PolarityPrior,
-    marginal_log_ratios,
-    polarity_prior,
-)
-from cable_tracker.cable.measure.borders.response_bins import (
+from cable_tracker.cable.measure.borders.response_table import (
     CLASSES,
-    point_cell,
+    ResponseTable,
+    load_table,
 )
-from cable_tracker.cable.measure.borders.response_table import ResponseTable, load_table
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
-    StretchScale,
-    either_log_ratio,
-    stretch_at,
     stretch_axis,
     stretch_scale,
+    sum_border,
     sum_stretches,
 )
-from cable_tracker.cable.measure.gradients.scan_lines import ScanLines
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.measure.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside, compiled_part
+from cable_tracker.particle_filter.existence import probability_of
+
+BRIGHT, DARK = 0, 1
+"""Columns of what is said of cables that are brighter, and darker, than the bottom."""
 
 TEMPERED_SPACING = 5.0
 """Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
-
-EITHER = polarity_prior(0.5)
-"""Bright and dark cables are as likely."""
 
 STRENGTH_STEP = 6.0
 """What it costs that the strengths of the two borders of a cable are one class apart [nats]."""
@@ -72,6 +58,51 @@ JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APA
 
 ONE_POINT = 1.0
 """Expected length of borders whose parts beyond the edge are neither paid for nor counted."""
+
+
+class PolarityPrior(NamedTuple):
+    """Logarithms of how likely a cable is to be brighter than the bottom, and darker."""
+
+    log_bright: float
+    log_dark: float
+
+
+def polarity_prior(p_bright: float) -> PolarityPrior:
+    """Return the prior for a probability of bright ones, above 0 and below 1."""
+    return PolarityPrior(math.log(p_bright), math.log1p(-p_bright))
+
+
+EITHER = polarity_prior(0.5)
+"""Bright and dark cables are as likely."""
+
+
+@compiled_inside
+def marginal_log_ratio(polarity: PolarityPrior, bright: float, dark: float) -> float:
+    """Return the log-likelihood ratio of a cable whose polarity is not known.
+
+    `bright` and `dark` are those of a bright and of a dark cable.
+    """
+    first, second = polarity.log_bright + bright, polarity.log_dark + dark
+    higher, less = max(first, second), min(first, second)
+    return higher + math.log1p(math.exp(less - higher))
+
+
+@compiled_part
+def marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> FloatArray:
+    """Return the log-likelihood ratios (N,) of cables whose polarity is not known.
+
+    `log_ratios` are those of bright and of dark cables, shape (N, 2).
+    """
+    result = np.empty(len(log_ratios))
+    for row in range(len(log_ratios)):
+        result[row] = marginal_log_ratio(polarity, log_ratios[row, BRIGHT], log_ratios[row, DARK])
+    return result
+
+
+@compiled_inside
+def bright_share(polarity: PolarityPrior, bright: float, dark: float) -> float:
+    """Return the posterior probability that a cable is a bright one; see `marginal_log_ratio`."""
+    return probability_of(polarity.log_bright - polarity.log_dark + bright - dark)
 
 
 class CableMeasures(NamedTuple):
@@ -90,7 +121,7 @@ class CableMeasures(NamedTuple):
         Stretches of a bright and of a dark cable that are of the other polarity, see `stretches`,
         shape (N, 2): bit k is stretch k.
     covered : IndexArray
-        Those of a covered end without which the cable is looked at, see `covered_end`, likewise.
+        Those of a covered end without which the cable is looked at, see `stretches`, likewise.
     """
 
     log_ratios: FloatArray
@@ -237,8 +268,8 @@ def fill_measures(
             line = border_line(state, border_side(border), scan)
             lines = scan.rows if line.is_steep else scan.columns
             scale = stretch_scale(axis, line)
-            lengths[border] = _sum_border(
-                lines, line, scale, model, crossings, stretches[border], striped[border]
+            lengths[border] = sum_border(
+                lines, line, scale, model.ratios, crossings, stretches[border], striped[border]
             )
         measured.visible_lengths[cable] = min(lengths[0], lengths[1])
         longest = max(expected, lengths[0], lengths[1])
@@ -366,95 +397,3 @@ def _log_ratio_of_border(
         shares[strength] = math.exp(tempering * (sums[first + strength] - peak))
         mass += shares[strength]
     return tempering * peak, tempering * peak + math.log(mass / CLASSES)
-
-
-@compiled_inside
-def _sum_border(
-    lines: ScanLines,
-    border: BorderLine,
-    scale: StretchScale,
-    model: RatioModel,
-    crossings: Crossings,
-    stretches: Float32Array,
-    striped: Float32Array,
-) -> float:
-    """Fill in the sums of a border.
-
-    Those of the ratios (8, `STRETCHES`), and those of a striped cable (4,), see `stretches`.
-
-    Its length in view is returned.
-    """
-    stretches[:] = np.float32(0.0)
-    striped[:] = np.float32(0.0)
-    count = 0
-    for start in range(0, len(lines.places), BLOCK):
-        first, found = find_crossings(lines, start, border, crossings)
-        measure_responses(lines, first, found, border, crossings)
-        measure_contrasts(lines, first, found, border, crossings)
-        _add_ratios(
-            lines.places[first : first + found], scale, model, crossings, stretches, striped
-        )
-        count += found
-    for index in range(2 * CLASSES):
-        for stretch in range(STRETCHES):
-            stretches[index, stretch] *= np.float32(border.length)
-    for strength in range(CLASSES):
-        striped[strength] *= np.float32(border.length)
-    return count * border.length
-
-
-@compiled_inside
-def _add_ratios(
-    places: FloatArray,
-    scale: StretchScale,
-    model: RatioModel,
-    crossings: Crossings,
-    stretches: Float32Array,
-    striped: Float32Array,
-) -> None:
-    """Add the ratios of crossings to the sums (8, `STRETCHES`) of their border.
-
-    And to those of a striped cable (4,). `places` are those of the lines that it crosses.
-    """
-    cells, where, count = crossings.pixels[0], crossings.pixels[1], len(places)
-    for index in range(padded_count(count)):
-        cells[index] = point_cell(
-            crossings.responses[index], crossings.slopes[index], crossings.contrasts[index]
-        )
-    for index in range(count):
-        where[index] = np.uint32(stretch_at(scale, places[index]))
-    w, x, y, z = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
-    index = 0
-    while index < count:
-        stretch = where[index]
-        # As variables, they stay in registers; an array might be the table.
-        a, b, c, d = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
-        e, f, g, h = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
-        while index < count and where[index] == stretch:
-            ratios = model.ratios[np.uint64(cells[index])]
-            a += ratios[0]
-            b += ratios[1]
-            c += ratios[2]
-            d += ratios[3]
-            e += ratios[4]
-            f += ratios[5]
-            g += ratios[6]
-            h += ratios[7]
-            w += either_log_ratio(ratios[0], ratios[4])
-            x += either_log_ratio(ratios[1], ratios[5])
-            y += either_log_ratio(ratios[2], ratios[6])
-            z += either_log_ratio(ratios[3], ratios[7])
-            index += 1
-        sums = stretches[:, np.uint64(stretch)]
-        sums[0] += a
-        sums[1] += b
-        sums[2] += c
-        sums[3] += d
-        sums[4] += e
-        sums[5] += f
-        sums[6] += g
-        sums[7] += h
-    striped[0] += w
-    striped[1] += x
-    striped[2] += y
-    striped[3] += z

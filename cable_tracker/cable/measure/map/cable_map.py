@@ -1,15 +1,24 @@
-"""Map of the probability that cells of a picture are cable, and how well a strip matches it."""
+"""Map of the probability that cells of a picture are cable, and how well a strip matches it.
+
+The network that makes it takes several times as long as the rest of a frame in which the cable is
+clear. So beside a known cable it looks only now and then. The last map is kept, and what it said of
+the strip, of its borders and of what lies beside it stays true for a moment, but for how the cable
+has moved since. Borders alone prefer a bright stripe along a pipe, or its lit half, to the whole of
+it: some time after the last map the filter would go over to the stripe.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.geometry import border_offset
-from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
+from cable_tracker.cable.model.geometry import border_offset, pose_in_chart
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
 from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_inside
 
 SMALLEST_SHARE = 0.01
@@ -30,6 +39,12 @@ quarters of what both cover are common to both [nats]. Chosen on a held-out simu
 SLACK = 1.0
 """Difference of overlaps with a kept map, or in a search, that counts as none [nats]. How exactly
 the cable has moved since the kept map is not known, nor how exactly a map shows a cable."""
+
+LONGEST_KEPT = 1.0
+"""Age from which on a map says nothing any more [s]."""
+
+BORDERS_TIME = 0.5
+"""Time over which the borders by maps are smoothed [s]."""
 
 
 class CableMap(NamedTuple):
@@ -138,17 +153,6 @@ def map_overlap(state: FloatArray, cable_map: CableMap) -> float:
     return bounded_log_odds(map_match(state, cable_map).overlap_share)
 
 
-@compiled
-def strip_shares(state: FloatArray, cable_map: CableMap) -> Image:
-    """Return which share of each cell of a map a strip (8,) covers, float32, of the map's shape."""
-    shares: Image = np.empty(cable_map.probabilities.shape, np.float32)
-    borders = strip_borders(state, state[WIDTH], cable_map)
-    for row in range(shares.shape[0]):
-        for column in range(shares.shape[1]):
-            shares[row, column] = _share(row, column, borders)
-    return shares
-
-
 @compiled_fast_loop
 def _covered(state: FloatArray, width: float, cable_map: CableMap) -> tuple[float, float]:
     """Return the number of cells that a strip covers, and the sum of their probabilities.
@@ -227,15 +231,6 @@ def strip_borders(state: FloatArray, width: float, cable_map: CableMap) -> Strip
             -right_x,
         ),
     )
-
-
-@compiled_inside
-def _share(row: int, column: int, borders: StripBorders) -> float:
-    """Return which share of a cell lies between the borders."""
-    left, right = borders
-    share: float = share_inside(left[0] + left[1] * row + left[2] * column)
-    share *= share_inside(right[0] + right[1] * row + right[2] * column)
-    return share
 
 
 @compiled_inside
@@ -329,3 +324,105 @@ def map_log_ratio(
     lacking = max(against.expected - overlap, 0.0)
     log_ratio: float = weights.overlap * min(overlap, against.enough) - weights.lacking * lacking
     return log_ratio
+
+
+class MapBorders(NamedTuple):
+    """Where a map shows the borders of a strip.
+
+    Attributes
+    ----------
+    widening : float
+        How much wider than the strip the map shows it [px], below 0 if it is narrower; the smaller
+        of what the cells beside its borders and the strip nearby that overlaps best with the map
+        say, 0 if they disagree which way.
+    left_rim, right_rim : float
+        Widths of the parts along its borders that are shadows beside the cable [px]; 0: none.
+    """
+
+    widening: float
+    left_rim: float
+    right_rim: float
+
+
+AS_THE_STRIP = MapBorders(0.0, 0.0, 0.0)
+"""Where nothing else is said."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeptMap:
+    """A map of a frame before.
+
+    Attributes
+    ----------
+    cable_map : CableMap
+        The map.
+    pose : FloatArray
+        d, alpha, w, beta of the cable in that frame, shape (4,) [px, rad].
+    borders : MapBorders
+        Where it and the maps before it show the borders of the cable, smoothed [px].
+    seconds : float
+        Time since that frame [s].
+    """
+
+    cable_map: CableMap
+    pose: FloatArray
+    borders: MapBorders
+    seconds: float = 0.0
+
+    def smoothed(self, borders: MapBorders) -> MapBorders:
+        """Return where this map and a new one, which shows `borders`, show those of the cable."""
+        kept = math.exp(-self.seconds / BORDERS_TIME)
+        both = zip(self.borders, borders, strict=True)
+        return MapBorders(*(kept * old + (1.0 - kept) * new for old, new in both))
+
+    def moved_to(self, pose: FloatArray) -> CableMap:
+        """Return the map as it lies when the centreline of the cable has come to that of a pose.
+
+        It turns about the image centre and moves across the centreline; `pose` (4 or more,) is one
+        in any chart. Cells that come from beyond the picture are as the outermost ones. One that is
+        `LONGEST_KEPT` old is `NO_MAP`.
+        """
+        if self.seconds >= LONGEST_KEPT:
+            return NO_MAP
+        probabilities = cv2.warpAffine(
+            self.cable_map.probabilities,
+            _cells_before(self.cable_map, self.pose, pose),
+            self.cable_map.probabilities.shape[::-1],
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        cells = np.asarray(probabilities, np.float32)
+        return cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
+
+
+NO_KEPT_MAP = KeptMap(NO_MAP, np.zeros(POSE_SIZE), AS_THE_STRIP, math.inf)
+"""Before any map: too old to say anything."""
+
+
+@compiled
+def _cells_before(cable_map: CableMap, before: FloatArray, now: FloatArray) -> FloatArray:
+    """Return the affine map, shape (2, 3), from (column, row) of a moved map to those before.
+
+    Parameters
+    ----------
+    cable_map : CableMap
+        The map before.
+    before, now : FloatArray
+        Poses of the cable, shape (4,) or more, in any chart [px, rad]: it has turned about the
+        image centre, and then moved along the normal of its centreline.
+    """
+    left, top, cell, angle = cable_map.left, cable_map.top, cable_map.cell, now[ANGLE]
+    in_chart = np.empty(POSE_SIZE)
+    pose_in_chart(before, angle, in_chart)
+    turned, moved = angle - in_chart[ANGLE], now[DISTANCE] - in_chart[DISTANCE]
+    cosine, sine = math.cos(turned), math.sin(turned)
+    # From the image frame, y up: p = R(-turned) (p' - moved n').
+    first_x = left - moved * math.cos(angle)
+    first_y = top - moved * math.sin(angle)
+    # Rows run downwards: (x', y') = first + cell (column, -row).
+    return np.array(
+        [
+            [cosine, -sine, (cosine * first_x + sine * first_y - left) / cell],
+            [sine, cosine, (top + sine * first_x - cosine * first_y) / cell],
+        ]
+    )

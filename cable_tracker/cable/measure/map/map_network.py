@@ -5,7 +5,7 @@ edges than a faint or overgrown cable. What a person goes by is the whole of it:
 ground, two borders that belong together, nothing of the kind beside. A small network of
 convolutions, trained on the simulated worlds to tune on (`tune_*`), says of each cell of 4x4 px how
 likely it is part of a cable. It looks at one frame and has no memory; it is consulted while no
-cable is known, a border of the known one is faint, or it curves, else now and then (`kept_map`),
+cable is known, a border of the known one is faint, or it curves, else now and then (`KeptMap`),
 and says which strips look like one (`appearance`, `map_strips`). The filter decides.
 
 `docs/train_cable_map.py` trains it; OpenCV runs it.

@@ -73,12 +73,10 @@ LEAST_KEPT = 0.001
 
 
 def straightened(picture: Image, bend: Bend) -> Image:
-    """Return a picture (h, w), uint8 or float32, with the bend taken out; itself without one.
+    """Return a picture (h, w), uint8 or float32, with the bend taken out.
 
     Beyond its sides the outermost levels go on.
     """
-    if bend == STRAIGHT:
-        return picture
     height, width = picture.shape
     x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
     if bend.is_steep:

@@ -9,8 +9,6 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs, scan_frame
 from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of
 from cable_tracker.cable.measure.map.map_network import make_cable_map
 from cable_tracker.cable.measure.picture.bend import (
@@ -20,13 +18,15 @@ from cable_tracker.cable.measure.picture.bend import (
     bend_of_map,
     straightened,
 )
-from cable_tracker.cable.measure.picture.burned_in_lines import (
+from cable_tracker.cable.measure.picture.illumination import evenly_lit
+from cable_tracker.cable.measure.picture.overlays import (
     StandingLines,
     standing_lines,
+    without_dead_margins,
     without_standing_lines,
 )
-from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
-from cable_tracker.cable.measure.picture.illumination import evenly_lit
+from cable_tracker.cable.measure.scan_filters import scan_kernels
+from cable_tracker.cable.measure.scanned_gradients import ScanInputs, scan_frame
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.level_gain import amplified, level_gain
 from cable_tracker.tracking.parameter_table import pixel_scale
@@ -121,7 +121,8 @@ class WorkingImage:
     def _straight(self) -> Image:
         """The cleared frame without its bend, of the frame's dtype."""
         cleared, _ = self._cleared
-        return straightened(cleared, self.history.bend)
+        bend = self.history.bend
+        return cleared if bend == STRAIGHT else straightened(cleared, bend)
 
     @cached_property
     def _cleared(self) -> tuple[Image, StandingLines | None]:

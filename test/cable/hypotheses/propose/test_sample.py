@@ -11,7 +11,7 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     fill_log_likelihoods,
     importance_log_weights,
 )
-from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.borders.likelihood_ratio import polarity_prior
 from cable_tracker.cable.model.limits import StateLimits
 
 

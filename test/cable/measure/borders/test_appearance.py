@@ -23,8 +23,9 @@ from cable_tracker.cable.measure.borders.appearance import (
     appearances_of,
 )
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.gradients.gradient_shape import directional_gain
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, strip_shares
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of
+from cable_tracker.cable.measure.map.map_strips import strip_shares
+from cable_tracker.cable.measure.scanned_gradients import directional_gain
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

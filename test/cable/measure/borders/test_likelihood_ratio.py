@@ -15,10 +15,11 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import (
     JOINT_STRENGTHS,
     BorderLikelihoodRatio,
     border_clearness,
+    bright_share,
+    marginal_log_ratios,
+    polarity_prior,
 )
-from cable_tracker.cable.measure.borders.polarity_prior import marginal_log_ratios
-from cable_tracker.cable.measure.borders.response_bins import CLASSES
-from cable_tracker.cable.measure.borders.response_table import load_table
+from cable_tracker.cable.measure.borders.response_table import CLASSES, load_table
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import ParameterError
@@ -26,6 +27,8 @@ from cable_tracker.errors import ParameterError
 SIZE = (160, 120)
 STRIP = CableState(12.0, 0.2, 24.0, 0.03)
 MODEL = BorderLikelihoodRatio(TrackerParameters())
+
+RATIOS, PROBABILITIES = st.floats(-50, 50), st.floats(0.02, 0.98)
 
 
 def changed(**changes) -> np.ndarray:
@@ -309,3 +312,19 @@ def test_a_table_that_is_not_there_is_said_at_once(tmp_path):
 def test_cables_of_too_few_columns_are_refused(strip, shape):
     with pytest.raises(ValueError, match="shape"):
         MODEL.measure(np.zeros(shape), working(strip))
+
+
+@given(RATIOS, RATIOS, PROBABILITIES)
+def test_an_unknown_polarity_is_averaged_over(bright, dark, probability):
+    polarity = polarity_prior(probability)
+    expected = probability * np.exp(bright) + (1 - probability) * np.exp(dark)
+    marginal = marginal_log_ratios(np.array([[bright, dark]]), polarity)[0]
+    assert marginal == pytest.approx(np.log(expected))
+    share = bright_share(polarity, bright, dark)
+    assert share == pytest.approx(probability * np.exp(bright) / expected)
+
+
+def test_shares_of_extreme_ratios_are_no_overflow():
+    even = polarity_prior(0.5)
+    assert bright_share(even, 1e4, 0.0) == pytest.approx(1.0)
+    assert bright_share(even, 0.0, 1e4) == pytest.approx(0.0, abs=1e-12)

@@ -8,22 +8,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 from measured_points import points, ratios_at
 
-from cable_tracker.cable.measure.borders.response_bins import (
+from cable_tracker.cable.measure.borders.response_table import (
     CLASSES,
     CONTRAST_BINS,
     CONTRAST_LIMIT,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
+    LARGEST_RATIO,
     RESPONSE_BINS,
     RESPONSE_LIMIT,
-)
-from cable_tracker.cable.measure.borders.response_table import (
-    LARGEST_RATIO,
     ResponseTable,
     load_table,
     parse_table,
+    point_cell,
 )
 from cable_tracker.errors import ParameterError
+
+NUMBERS = st.floats(-1e6, 1e6, width=32)
 
 
 def any_table(rng) -> ResponseTable:
@@ -169,3 +170,13 @@ def test_a_file_that_cannot_be_read_is_said_with_its_path(tmp_path, monkeypatch,
     with pytest.raises(ParameterError, match=r"response_table: .*cannot be read") as caught:
         load_table(path)
     assert path in str(caught.value)
+
+
+@given(NUMBERS, NUMBERS, NUMBERS)
+def test_every_point_has_a_cell(response, slope, contrast):
+    measured = points(response, slope, contrast)
+    (edge,), (contrast_cell,) = measured.cells()
+    assert 0 <= edge < np.prod(EDGE_SHAPE)
+    assert 0 <= contrast_cell < np.prod(CONTRAST_SHAPE)
+    row = point_cell(np.float32(response), np.float32(abs(slope)), np.float32(contrast))
+    assert divmod(int(row), CONTRAST_BINS) == (edge, contrast_cell % CONTRAST_BINS)

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.map.cable_map import strip_shares
 from cable_tracker.cable.measure.map.map_network import (
     CELL,
     LARGEST,
@@ -20,6 +19,7 @@ from cable_tracker.cable.measure.map.map_network import (
     normalised,
     padded,
 )
+from cable_tracker.cable.measure.map.map_strips import strip_shares
 from cable_tracker.cable.model.state import CableState
 
 CABLE = CableState(25.0, 0.3, 40.0, 0.03)

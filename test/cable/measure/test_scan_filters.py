@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.gradients.scan_filters import mirrored, scan_kernels
+from cable_tracker.cable.measure.scan_filters import mirrored, scan_kernels
 
 
 @given(st.integers(1, 40), st.integers(-500, 500))

@@ -1,1 +1,0 @@
-"""Gradients of a frame along its scan lines."""
