@@ -29,7 +29,7 @@ WITHOUT_COMPILING = (
     "test/cable/hypotheses/test_prediction.py",
     "test/cable/thesis/test_bootstrap_filter.py",
     "test/cable/measure/test_scanned_gradients.py::test_lines_know_where_they_are",
-    "test/particle_filter/test_weights.py",
+    "test/particle_filter/test_particles.py",
 )
 """Kernels as plain Python take long, so few of them."""
 
@@ -164,7 +164,7 @@ def test_another_version_of_numba_has_other_machine_code(package, monkeypatch):
 
 
 KEPT = """
-from cable_tracker.particle_filter.weights import log_sum_exp
+from cable_tracker.particle_filter.particles import log_sum_exp
 import numpy as np
 log_sum_exp(np.zeros(3))
 print(sum(log_sum_exp.stats.cache_hits.values()))

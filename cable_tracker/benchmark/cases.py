@@ -25,8 +25,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.particle_filter.particles import RESAMPLING_SCHEMES, Particles
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.trackers import CableTracker, make_proposer
 from cable_tracker.tracking.parameter_table import pixel_scale

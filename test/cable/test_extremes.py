@@ -25,7 +25,7 @@ from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.errors import FrameError
-from cable_tracker.particle_filter.weights import normalise_log_weights
+from cable_tracker.particle_filter.particles import normalise_log_weights
 from cable_tracker.trackers import CableTracker
 
 SIZE = (96, 72)

@@ -10,18 +10,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
 from cable_tracker.particle_filter.existence import (
     PredictedExistence,
     predict_existence,
     update_existence,
 )
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.particle_filter.weights import (
+from cable_tracker.particle_filter.particles import (
+    RESAMPLING_SCHEMES,
+    Particles,
     effective_sample_size,
     log_sum_exp,
     normalise_log_weights,
+    weighted_covariance,
+    weighted_mean,
 )
 
 counts = st.integers(1, 40)

@@ -83,7 +83,7 @@ from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement, MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.particle_filter.particles import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
 """Presence of a belief about a state that was given, or converted from another filter."""

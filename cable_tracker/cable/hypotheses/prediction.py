@@ -25,9 +25,8 @@ from cable_tracker.cable.model.movement import CableMovement, MotionAid
 from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled
-from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
+from cable_tracker.particle_filter.particles import RESAMPLING_SCHEMES, Particles, ResamplingScheme
+from cable_tracker.particle_filter.student_t import kernel_mixture
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import (
     SurvivalRates,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.particle_filter.estimates import standard_deviations
+from cable_tracker.particle_filter.particles import standard_deviations
 from cable_tracker.tracking.status import TrackingStatus
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart, wrap_angles, wrapped_estimate
 from cable_tracker.cable.model.state import ANGLE
-from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
+from cable_tracker.particle_filter.particles import weighted_covariance, weighted_mean
 
 
 def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:

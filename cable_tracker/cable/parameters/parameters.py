@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.particle_filter.particles import RESAMPLING_SCHEMES
 from cable_tracker.tracking.parameter_table import (
     ParameterSet,
     ParameterSpec,

@@ -20,9 +20,11 @@ from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.thesis.movement import LimitedMovement
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.particle_filter.weights import effective_sample_size
+from cable_tracker.particle_filter.particles import (
+    RESAMPLING_SCHEMES,
+    Particles,
+    effective_sample_size,
+)
 
 Observation: TypeAlias = BorderResponseModel | BorderLikelihoodRatio
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.particle_filter.estimates import standard_deviations
+from cable_tracker.particle_filter.particles import standard_deviations
 from cable_tracker.target.model.state import LOG_SCALE
 from cable_tracker.tracking.status import TrackingStatus
 

@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence
-from cable_tracker.particle_filter.kernel_mixture import KernelMixture
-from cable_tracker.particle_filter.resampling import systematic_resampling
-from cable_tracker.particle_filter.student_t import relative_density, standard_student_t
+from cable_tracker.particle_filter.particles import systematic_resampling
+from cable_tracker.particle_filter.student_t import (
+    KernelMixture,
+    relative_density,
+    standard_student_t,
+)
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import POSE_SIZE
 

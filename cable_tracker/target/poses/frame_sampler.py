@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
+from cable_tracker.particle_filter.student_t import kernel_mixture
 from cable_tracker.target.measure.region import MeasuredFrame
 from cable_tracker.target.model.predicted_density import (
     PredictedDensity,

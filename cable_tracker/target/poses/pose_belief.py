@@ -9,9 +9,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, shares_of
 from cable_tracker.particle_filter.existence import predict_existence
-from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import systematic_resampling
+from cable_tracker.particle_filter.particles import Particles, systematic_resampling
+from cable_tracker.particle_filter.student_t import kernel_mixture
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.predicted_density import PredictedDensity

@@ -14,9 +14,13 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import FrameError
-from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
+from cable_tracker.particle_filter.particles import (
+    Particles,
+    effective_sample_size,
+    log_sum_exp,
+    weighted_covariance,
+    weighted_mean,
+)
 from cable_tracker.target.filter_interface import TargetSummary
 from cable_tracker.target.measure.first_look import learn_target
 from cable_tracker.target.measure.outline import Outline

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.particle_filter.existence import PredictedExistence, update_existence
-from cable_tracker.particle_filter.weights import log_sum_exp
+from cable_tracker.particle_filter.particles import log_sum_exp
 from cable_tracker.target.measure.clutter import clutter_of, log_ratio_of_likeness
 from cable_tracker.target.model.state import X, Y, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters

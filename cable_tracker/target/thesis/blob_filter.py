@@ -21,9 +21,11 @@ from cable_tracker.contour.evolution import evolve
 from cable_tracker.contour.shape_energy import level_set_energy
 from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.errors import FrameError
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import multinomial_resampling
-from cable_tracker.particle_filter.weights import effective_sample_size
+from cable_tracker.particle_filter.particles import (
+    Particles,
+    effective_sample_size,
+    multinomial_resampling,
+)
 from cable_tracker.target.filter_interface import TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame

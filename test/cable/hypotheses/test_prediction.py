@@ -16,8 +16,7 @@ from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.particle_filter.particles import RESAMPLING_SCHEMES, Particles
 from cable_tracker.tracking.rates import SurvivalRates
 
 RATES = SurvivalRates(vanishing=0.25, leaving=10.0, margin=8.0)

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
+from cable_tracker.particle_filter.student_t import kernel_mixture
 from cable_tracker.target.model.births import TAIL, Births
 from cable_tracker.target.model.predicted_density import choose_columns, kernels_of, log_mix
 from cable_tracker.target.model.state import STATE_SIZE

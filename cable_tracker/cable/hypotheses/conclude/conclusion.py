@@ -61,7 +61,7 @@ from cable_tracker.cable.measure.map.cable_map import is_worked_out, map_match
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
-from cable_tracker.particle_filter.weights import (
+from cable_tracker.particle_filter.particles import (
     effective_sample_size,
     exponentials,
     normalise_log_weights,

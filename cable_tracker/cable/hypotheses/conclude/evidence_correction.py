@@ -26,7 +26,7 @@ from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.weigh.score_likelihood import thin_factor
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
-from cable_tracker.particle_filter.weights import masked_log_sum_exp
+from cable_tracker.particle_filter.particles import masked_log_sum_exp
 
 BACKGROUND_SHARE = 0.5
 """Share of the log-likelihood ratio above the background that counts where no cable is known.

@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.predict.remembered_cable import width_penalt
 from cable_tracker.cable.model.initial_state import between
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
-from cable_tracker.particle_filter.kernel_mixture import (
+from cable_tracker.particle_filter.student_t import (
     KernelMixture,
     choose_kernel,
     evaluate_kernels,

@@ -25,8 +25,8 @@ from cable_tracker.cable.model.state import (
 )
 from cable_tracker.cholesky import cholesky_factor
 from cable_tracker.compilation import compiled_loop, compiled_part
+from cable_tracker.particle_filter.particles import exponentials
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
-from cable_tracker.particle_filter.weights import exponentials
 
 MOST_REFINED, LEAST_REFINED = 3, 0.02
 """Largest number of clusters that a round draws about, and their minimum mass (the heaviest is

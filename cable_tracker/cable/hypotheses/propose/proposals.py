@@ -44,7 +44,7 @@ from cable_tracker.cable.measure.map.cable_map import map_log_ratio
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_part
-from cable_tracker.particle_filter.weights import normalise_log_weights
+from cable_tracker.particle_filter.particles import normalise_log_weights
 
 CANDIDATE_SHARE = 0.5
 """Share of the particles of a round that are drawn about candidates."""

@@ -21,7 +21,7 @@ from cable_tracker.cable.hypotheses.predict.predicted_density import (
 )
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
+from cable_tracker.particle_filter.student_t import kernel_mixture
 
 PARAMETERS = TrackerParameters()
 CENTRES = np.array([[-40.0, 0.0, 30.0, 0.0], [40.0, 0.1, 30.0, 0.0]])
