@@ -86,8 +86,9 @@ ORDER_WITHIN = {
     ],
     "cable/measure": ["scan_filters", "scanned_gradients", "map", "picture", "borders"],
     "cable/hypotheses": [
-        "predict", "weigh", "propose", "conclude", "belief", "belief_summary", "prediction",
-        "multi_hypothesis_filter",
+        "clusters", "presence", "births", "predicted_density", "frame_inputs", "peaks", "proposals",
+        "background", "evidence_correction", "vehicle_fixture", "belief", "conclusion",
+        "cluster_estimates", "claim", "prediction", "multi_hypothesis_filter",
     ],
     "commands": [
         "console", "options", "many_runs", "chase", "convert", "dds_profile",

@@ -25,7 +25,7 @@ from cable_tracker.trackers import warm_up
 
 ROOT = Path(__file__).resolve().parents[1]
 WITHOUT_COMPILING = (
-    "test/cable/hypotheses/weigh/test_clusters.py",
+    "test/cable/hypotheses/test_clusters.py",
     "test/cable/hypotheses/test_prediction.py",
     "test/cable/thesis/test_bootstrap_filter.py",
     "test/cable/measure/test_scanned_gradients.py::test_lines_know_where_they_are",

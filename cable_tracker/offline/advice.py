@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cable_tracker.cable.hypotheses.conclude.first_claim import needed_clearness
+from cable_tracker.cable.hypotheses.claim import needed_clearness
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS

@@ -1,46 +1,172 @@
-"""State of the filter of several hypotheses after a frame, and its update.
+"""State of the filter of several hypotheses after a frame, with the cable it remembers.
 
-What follows from it for the estimate and its status is worked out in `belief_summary`.
+What is remembered is pose and width of the cable when it was last tracked. The width changes
+slowly, as the diameter of a cable and the altitude of a vehicle do. So a rope beside a cable that
+is overgrown just here is not taken for it, however clear its borders are.
+
+How a belief changes with a frame, and what follows for the claim, is worked out in `claim`.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.conclude.conclusion import (
-    Conclusion,
-    Hypotheses,
-    unmeasured_hypotheses,
-)
-from cable_tracker.cable.hypotheses.conclude.first_claim import (
-    is_lost_in_map,
-    is_new_clear,
-    leading_evidence,
-)
-from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import UNTESTED, FixtureTest
-from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable, remember
-from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.hypotheses.weigh.presence import (
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.hypotheses.predicted_density import NARROWEST
+from cable_tracker.cable.hypotheses.presence import (
     LEAST_PRESENCE,
-    LIKELY_PRESENCE,
     LOWEST,
+    is_same_hypothesis,
 )
+from cable_tracker.cable.hypotheses.vehicle_fixture import UNTESTED, FixtureTest
 from cable_tracker.cable.measure.map.cable_map import NO_KEPT_MAP, KeptMap
-from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.geometry import inset, wrap_state, wrap_states
+from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.particle_filter.existence import log_odds_of, probability_of
+from cable_tracker.compilation import compiled_part
+from cable_tracker.particle_filter.existence import log_odds_of
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.tracking.rates import over_time
 
-MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
-"""Minimum presence and minimum mass of the leading cluster for updating the memory."""
+SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
+"""Scales of the search about the last place, at first: d, alpha, w, beta [px at the reference
+width, rad]."""
 
-POLARITY_DOUBT = 0.02
-"""The probability that the cable is bright stays this far from 0 and 1."""
+SPREADING = np.array([100.0, math.radians(37.0), 50.0, math.radians(7.5)])
+"""Growth of these scales per second [px/s at the reference width, rad/s]."""
+
+WIDEST = np.array([120.0, math.radians(60.0), 40.0, math.radians(10.0)])
+"""Largest spread about the last place; a cable farther away is found by the uninformed search."""
+
+LEFT_MARGIN = 3.0
+"""A cable was leaving if it was nearer to the edge than this many `leaving_margin`."""
+
+YOUNG_DOUBT = 3.0
+"""Increase of the width prior's relative scale at first, decaying with `width_time`."""
+
+
+FAMILIAR = 2.0
+"""Largest difference from the remembered cable, in scales of its place and spreads of its width."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RememberedCable:
+    """Pose of the cable when it was last tracked, and the prior of its width.
+
+    Attributes
+    ----------
+    pose : FloatArray
+        d, alpha, w, beta, shape (4,) [px, rad].
+    side : float
+        Sign of d if it was leaving the image there; 0 if it was not.
+    inset : float
+        How far it was from leaving the image [px].
+    log_width : float
+        Logarithm of the running mean of the width while it was tracked [px].
+    tracked_time : float
+        Total time for which it was tracked [s].
+    seconds : float
+        Time since it was last tracked [s].
+    """
+
+    pose: FloatArray
+    side: float
+    inset: float
+    log_width: float
+    tracked_time: float = 0.0
+    seconds: float = 0.0
+
+    def scales(self, frame_scale: float) -> FloatArray:
+        """Return the scales of births about the remembered pose, shape (4,) [px, rad].
+
+        `frame_scale`: see `WorkingImage`.
+        """
+        scales = np.minimum(SPREAD + SPREADING * self.seconds, WIDEST)
+        scaled: FloatArray = scales * pose_units(frame_scale)
+        return scaled
+
+    def width_spread(self, parameters: TrackerParameters) -> float:
+        """Return the scale of the logarithm of the width, in the width prior.
+
+        It grows with the time since the cable was tracked, and falls with the time for which it
+        was.
+        """
+        doubt = YOUNG_DOUBT * math.exp(-self.tracked_time / parameters.width_time)
+        growth = self.seconds / parameters.width_memory
+        return parameters.width_spread * (1.0 + doubt + growth)
+
+    def width_deviation(self, width: float, parameters: TrackerParameters) -> float:
+        """Return the deviation of a width [px] from the prior: of its logarithm, in scales."""
+        difference = math.log(max(width, NARROWEST)) - self.log_width
+        return difference / self.width_spread(parameters)
+
+
+class Hypotheses(NamedTuple):
+    """The clusters of the particles, and how the frame shows the leading one.
+
+    Attributes
+    ----------
+    clusters : Clusters
+        Clusters of the particles, the most probable cable first, see `most_probable_first`.
+    covariance : FloatArray
+        Covariance of the leading cluster, its particles in the chart about its mean's angle, shape
+        (8, 8).
+    effective_size : float
+        Effective sample size N_eff of all particles.
+    weaker_border_mean : float
+        Mean log-likelihood ratio per point of the weaker border, averaged over the leading cluster
+        [nats]: the evidence of the borders alone. What is published is `leading_evidence`.
+    visible_length : float
+        Length inside the image of the shorter border, over the leading cluster [distances of the
+        scan lines].
+    leading_mean_borders : FloatArray
+        Mean log-likelihood ratios per point of the left and of the right border of the leading
+        mean, shape (2,) [nats].
+    scaled_clearness : float
+        Clearness of the weaker border of the leading mean (`BorderClearness.clearness`, nats per
+        visible point) times `shown_share`; 0 for borders shorter than `LEAST_SHOWN`.
+    appearance : float
+        How much the leading group looks like a cable, see `appearances_of` [nats].
+    is_mapped : bool
+        Whether a map, of the frame or kept, has a say in that.
+    overlap_share : float
+        Overlap of the leading mean with that map, see `MapMatch`; 0 without one.
+    """
+
+    clusters: Clusters
+    covariance: FloatArray
+    effective_size: float
+    weaker_border_mean: float
+    visible_length: float
+    leading_mean_borders: FloatArray
+    scaled_clearness: float
+    appearance: float
+    is_mapped: bool
+    overlap_share: float
+
+
+@compiled_part
+def unmeasured_hypotheses(
+    clusters: Clusters, covariance: FloatArray, effective_size: float
+) -> Hypotheses:
+    """Return clusters of which no frame has shown anything."""
+    return Hypotheses(
+        clusters=clusters,
+        covariance=covariance,
+        effective_size=effective_size,
+        weaker_border_mean=0.0,
+        visible_length=0.0,
+        leading_mean_borders=np.zeros(2),
+        scaled_clearness=0.0,
+        appearance=0.0,
+        is_mapped=False,
+        overlap_share=0.0,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,6 +246,23 @@ class Belief:
         return self.is_given or (self.known_time > 0.0 and self.known_time >= known_after)
 
 
+def is_familiar(belief: Belief, parameters: TrackerParameters, frame_scale: float) -> bool:
+    """Tell whether the leader may be the cable that was tracked.
+
+    It is the one of the frames before, or lies where that may be by now, and is about as wide.
+    """
+    if belief.is_followed:
+        return True
+    memory = belief.memory
+    if memory is None:
+        return False
+    leader = belief.hypotheses.clusters.means[0]
+    width = float(leader[WIDTH])
+    if abs(memory.width_deviation(width, parameters)) > FAMILIAR:
+        return False
+    return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(frame_scale))
+
+
 def initial_belief(states: FloatArray, presence: float) -> Belief:
     """Return a belief of equally weighted states (N, 8), all of them one hypothesis."""
     particles = Particles.equally_weighted(wrap_states(states))
@@ -146,74 +289,6 @@ def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
     )
 
 
-def updated_belief(
-    before: Belief,
-    conclusion: Conclusion,
-    dt: float,
-    parameters: TrackerParameters,
-    image_size: tuple[int, int],
-    frame_scale: float,
-    *,
-    was_known: bool,
-) -> Belief:
-    """Return the belief after a frame.
-
-    Parameters
-    ----------
-    before : Belief
-        Belief before the frame, aged to its time.
-    conclusion : Conclusion
-        Particles, clusters and log-odds after the frame, at least one cluster.
-    dt : float
-        Time since the frame before [s].
-    parameters : TrackerParameters
-        The tracker's parameters.
-    image_size : (int, int)
-        Width and height of the frames [px].
-    frame_scale : float
-        See `WorkingImage`.
-    was_known : bool
-        Whether the hypothesis that led before the frame was known.
-    """
-    hypotheses = conclusion.hypotheses
-    presence = probability_of(float(conclusion.log_odds[0]))
-    is_known = conclusion.goes_on and was_known
-    is_followed = conclusion.goes_on and before.is_followed
-    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, frame_scale) and (
-        is_followed or not is_lost_in_map(hypotheses, parameters)
-    )
-    evidence = leading_evidence(hypotheses, parameters)
-    # Place, width and polarity are learnt only from what could be claimed.
-    is_learnt_from = is_known or is_clear
-    believed = presence if is_learnt_from else 0.0
-    memory = before.memory
-    if believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
-        leader = hypotheses.clusters.means[0]
-        memory = remember(memory, leader, image_size, dt, parameters, frame_scale)
-    p_bright = updated_p_bright(
-        before.p_bright, conclusion.p_bright, believed, parameters.polarity_memory, dt
-    )
-    # Too faint to claim, or, if it is known, to keep.
-    is_faint = evidence < parameters.evidence_to_lose if is_known else not is_clear
-    is_too_faint = is_faint and presence >= parameters.presence_to_track
-    stays_likely = conclusion.goes_on and presence >= LIKELY_PRESENCE
-    return Belief(
-        particles=Particles(conclusion.states, conclusion.log_weights),
-        hypotheses=hypotheses,
-        presence=presence,
-        p_bright=p_bright,
-        memory=memory,
-        log_odds=conclusion.log_odds,
-        faint_time=before.faint_time + dt if is_too_faint else 0.0,
-        evidence=evidence,
-        is_clear=is_clear,
-        known_time=before.known_time + (dt if is_learnt_from else 0.0) if stays_likely else 0.0,
-        is_given=before.is_given and stays_likely,
-        kept_map=before.kept_map if conclusion.goes_on else NO_KEPT_MAP,
-        fixture_test=before.fixture_test,
-    )
-
-
 def without_fixture(belief: Belief, event: str) -> Belief:
     """Return a belief whose leading hypothesis is no cable: it is fixed to the vehicle."""
     log_odds = belief.log_odds.copy()
@@ -224,15 +299,43 @@ def without_fixture(belief: Belief, event: str) -> Belief:
     )  # fmt: skip
 
 
-def updated_p_bright(
-    before: float, found: float, presence: float, memory: float, dt: float
-) -> float:
-    """Return the probability that the cable is bright, `dt` seconds after one `before`.
+def remember(
+    before: RememberedCable | None,
+    leader: FloatArray,
+    image_size: tuple[int, int],
+    dt: float,
+    parameters: TrackerParameters,
+    frame_scale: float,
+) -> RememberedCable:
+    """Return the memory after a frame in which a cable is tracked.
 
-    `found`: share of the particles' weight that speaks for a bright cable; it counts as far as
-    there is one, `presence`. `memory`: factor on the deviation from 0.5 per frame of 25 per second.
+    Parameters
+    ----------
+    before : RememberedCable or None
+        The memory before the frame.
+    leader : FloatArray
+        State of the cable, shape (8,).
+    image_size : (int, int)
+        Width and height of the frames [px].
+    dt : float
+        Time since the frame before [s].
+    parameters : TrackerParameters
+        The tracker's parameters.
+    frame_scale : float
+        See `WorkingImage`.
     """
-    kept = over_time(memory, dt)
-    now = presence * found + (1.0 - presence) * before
-    p_bright = kept * now + (1.0 - kept) * 0.5
-    return float(min(max(p_bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))
+    state = wrap_state(leader)
+    log_width, tracked_time = math.log(max(float(state[WIDTH]), NARROWEST)), 0.0
+    if before is not None:
+        share = -math.expm1(-dt / parameters.width_time)
+        log_width = before.log_width + share * (log_width - before.log_width)
+        tracked_time = before.tracked_time + dt
+    within = inset(state, *image_size)
+    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * frame_scale
+    return RememberedCable(
+        pose=state[:POSE_SIZE].copy(),
+        side=float(np.sign(state[DISTANCE])) if is_leaving else 0.0,
+        inset=within,
+        log_width=log_width,
+        tracked_time=tracked_time,
+    )

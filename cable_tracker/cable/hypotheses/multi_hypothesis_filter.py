@@ -13,7 +13,7 @@ density of the whole mixture and L the likelihood ratio of the frame: no proposa
 wherever it comes from.
 
 Whether a hypothesis is a cable at all is judged against strips drawn at random in the same frame,
-see `background` and `score_likelihood`. Presence is the logistic of such a score of the leading
+see `background` and `presence`. Presence is the logistic of such a score of the leading
 hypothesis, summed over its frames (`presence`); it is not the integral of f(x) L(x), as in a
 Bernoulli filter. That filter's prediction alone is used: it gives P(survived) and P(born), by which
 the parts of f are weighed and particles are shared out.
@@ -41,31 +41,30 @@ from cable_tracker.cable.hypotheses.belief import (
     Belief,
     initial_belief,
     resampled_belief,
-    updated_belief,
     without_fixture,
 )
-from cable_tracker.cable.hypotheses.belief_summary import belief_summary
-from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion, draw_and_conclude
-from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import fixture_test_after
-from cable_tracker.cable.hypotheses.predict.births import draw_births
-from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.births import draw_births
+from cable_tracker.cable.hypotheses.claim import belief_summary, updated_belief
+from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
+from cable_tracker.cable.hypotheses.frame_inputs import (
+    FrameInputs,
+    beside_a_known_cable,
+    draw_frame_noise,
+    frame_config,
+    sample_counts,
+)
 from cable_tracker.cable.hypotheses.prediction import (
     Prediction,
     Predictor,
     with_strips_in_birth_density,
 )
-from cable_tracker.cable.hypotheses.propose.frame_inputs import (
-    FrameInputs,
-    beside_a_known_cable,
-    frame_config,
-    sample_counts,
-)
-from cable_tracker.cable.hypotheses.propose.sample import empty_sample
-from cable_tracker.cable.hypotheses.weigh.presence import (
+from cable_tracker.cable.hypotheses.presence import (
     LEAST_PRESENCE,
     LIKELY_PRESENCE,
     is_same_hypothesis,
 )
+from cable_tracker.cable.hypotheses.proposals import empty_sample
+from cable_tracker.cable.hypotheses.vehicle_fixture import fixture_test_after
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
     BorderLikelihoodRatio,
     polarity_prior,

@@ -8,16 +8,21 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.predict.births import births_anywhere, births_with_memory
-from cable_tracker.cable.hypotheses.predict.border_switch import BORDER_SWITCH_RATE, switch_from
-from cable_tracker.cable.hypotheses.predict.predicted_density import (
+from cable_tracker.cable.hypotheses.belief import Belief, RememberedCable
+from cable_tracker.cable.hypotheses.births import (
+    BIRTH_PEAK,
+    BORDER_SWITCH_RATE,
+    OFFSET_SIGMA,
+    BirthDensity,
+    BorderSwitch,
+    births_anywhere,
+)
+from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
+from cable_tracker.cable.hypotheses.predicted_density import (
     LEAST_PROBABILITY,
     PredictedDensity,
 )
-from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.weigh.clusters import SMALLEST_MASS, Clusters
-from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence
+from cable_tracker.cable.hypotheses.presence import PriorPresence
 from cable_tracker.cable.model.geometry import inset, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits
@@ -32,6 +37,7 @@ from cable_tracker.tracking.rates import (
     SurvivalRates,
     event_probability,
     over_time,
+    share_about_last_place,
     survival_probability,
     survival_rates,
 )
@@ -280,3 +286,39 @@ def surviving_ancestors(
     for row in range(len(weights)):
         weights[row] /= survival
     return Ancestors(states, weights), survival
+
+
+def births_with_memory(
+    anywhere: BirthDensity, memory: RememberedCable, memory_time: float, frame_scale: float
+) -> BirthDensity:
+    """Return a density of births a share of which is about the cable that was tracked before.
+
+    `memory_time` is the time constant of that share [s], `frame_scale` that of `births_anywhere`.
+    """
+    scales = memory.scales(frame_scale)
+    return anywhere._replace(
+        pose=memory.pose,
+        scales=scales,
+        share=share_about_last_place(memory.seconds, memory_time),
+        side=memory.side,
+        inset=memory.inset,
+        peak=BIRTH_PEAK / math.prod(scales.tolist()),
+    )
+
+
+def switch_from(
+    leader: FloatArray, narrowest: float, widest: float, frame_scale: float
+) -> BorderSwitch:
+    """Return the density of border switches from a hypothesis, shape (4 or more,), in its chart.
+
+    `frame_scale`: see `WorkingImage`.
+    """
+    distance, angle, width, skew = leader[:POSE_SIZE].tolist()
+    return BorderSwitch(
+        np.array([distance - 0.5 * width, distance + 0.5 * width]),
+        np.array([angle - skew, angle + skew]),
+        skew,
+        narrowest,
+        widest,
+        OFFSET_SIGMA * frame_scale,
+    )

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from plain_images import plain_image
 
-from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameInputs
+from cable_tracker.cable.hypotheses.frame_inputs import FrameInputs, draw_frame_noise
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
     BorderLikelihoodRatio,
     polarity_prior,

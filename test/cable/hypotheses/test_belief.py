@@ -9,17 +9,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import (
-    POLARITY_DOUBT,
     Belief,
+    RememberedCable,
     initial_belief,
+    remember,
     resampled_belief,
+)
+from cable_tracker.cable.hypotheses.claim import (
+    CRISP,
+    POLARITY_DOUBT,
     updated_belief,
     updated_p_bright,
 )
-from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion
-from cable_tracker.cable.hypotheses.conclude.first_claim import CRISP
-from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.hypotheses.conclusion import Conclusion
+from cable_tracker.cable.hypotheses.predicted_density import width_penalty
 from cable_tracker.cable.measure.map.cable_map import NO_KEPT_MAP, NO_MAP, KeptMap, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -30,6 +34,11 @@ YOUNG = 0.5 * PARAMETERS.known_after
 BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, faint_time=0.3)
 CLEAR, FAINT = 100.0, -100.0
 SHARES = st.floats(0.0, 1.0)
+
+SIZE = (320, 240)
+MEMORY_PARAMETERS = TrackerParameters(
+    width_spread=0.3, width_time=2.0, width_memory=4.0, leaving_margin=8.0
+)
 
 
 def test_states_that_are_given_count_alike_and_are_wrapped(rng):
@@ -195,3 +204,81 @@ def test_a_frame_without_a_cable_says_nothing_of_its_polarity():
 def test_what_was_known_is_forgotten_with_time():
     soon, late = (updated_p_bright(0.9, 0.9, 0.0, 0.9, dt) for dt in (0.04, 4.0))
     assert 0.5 < late < soon < 0.9
+
+
+def cable(distance=20.0, width=30.0) -> np.ndarray:
+    return np.array([distance, 0.0, width, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def remembered(before=None, state=None, dt=0.04) -> RememberedCable:
+    return remember(before, cable() if state is None else state, SIZE, dt, MEMORY_PARAMETERS, 1.0)
+
+
+def as_wide_as(width) -> RememberedCable:
+    return remembered(state=cable(width=width))
+
+
+def factors(usual, widths) -> np.ndarray:
+    spread = usual.width_spread(MEMORY_PARAMETERS)
+    return np.array([width_penalty(width, usual.log_width, spread) for width in widths])
+
+
+@given(st.floats(3.0, 200.0), st.floats(0.01, 2.0), st.floats(0.01, 1.0))
+def test_the_usual_width_fits_best_and_others_the_worse_the_farther(width, far, farther):
+    ratios = np.exp([0.0, far, far + farther, -far, -far - farther])
+    values = factors(as_wide_as(width), width * ratios)
+    assert values[0] == pytest.approx(0.0, abs=1e-9)
+    assert values[0] > values[1] > values[2]
+    # As much narrower is as bad as as much wider.
+    np.testing.assert_allclose(values[3:], values[1:3], atol=1e-6)
+
+
+def test_it_says_less_the_longer_no_cable_is_seen():
+    usual = as_wide_as(30.0)
+    now, soon, late = (factors(replace(usual, seconds=s), [60.0])[0] for s in (0.0, 4.0, 4000.0))
+    assert now < soon < late < 0.0
+    assert late == pytest.approx(0.0, abs=1e-3)
+
+
+def test_it_says_more_the_longer_a_cable_was_seen():
+    young, old = (replace(as_wide_as(30.0), tracked_time=s) for s in (0.0, 60.0))
+    assert factors(old, [60.0])[0] < factors(young, [60.0])[0] < 0.0
+
+
+def test_widths_of_nothing_and_less_are_bad_but_no_error():
+    assert np.isfinite(factors(as_wide_as(30.0), [0.0, -5.0])).all()
+
+
+def test_without_a_prior_any_width_will_do():
+    assert width_penalty(7.0, 0.0, math.inf) == 0.0
+
+
+def test_the_first_width_is_the_usual_one():
+    assert remembered().log_width == math.log(30.0)
+    assert remembered().tracked_time == 0.0
+
+
+def test_the_mean_follows_within_its_time_and_is_seen_again():
+    usual = replace(as_wide_as(30.0), seconds=3.0)
+    for _ in range(50):
+        usual = remembered(usual, cable(width=60.0))
+    assert usual.seconds == 0.0
+    assert usual.tracked_time == pytest.approx(2.0)
+    assert usual.log_width - math.log(30.0) == pytest.approx((1 - math.exp(-1)) * math.log(2.0))
+
+
+@given(st.floats(0.0, 5.0), st.floats(0.0, 5.0))
+def test_it_is_time_that_counts_not_frames(first, second):
+    usual = as_wide_as(30.0)
+    wide = cable(width=60.0)
+    twice = remembered(remembered(usual, wide, first), wide, second)
+    once = remembered(usual, wide, first + second)
+    assert twice.log_width == pytest.approx(once.log_width)
+
+
+@pytest.mark.parametrize(("distance", "side"), [(150.0, 1.0), (-150.0, -1.0), (20.0, 0.0)])
+def test_a_cable_at_the_edge_is_remembered_with_its_side(distance, side):
+    memory = remembered(state=cable(distance))
+    assert memory.side == side
+    assert memory.inset == pytest.approx(160.0 - abs(distance))
+    np.testing.assert_array_equal(memory.pose, cable(distance)[:4])

@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 from plain_images import plain_image
 
-from cable_tracker.cable.hypotheses import multi_hypothesis_filter
+from cable_tracker.cable.hypotheses import frame_inputs, multi_hypothesis_filter
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.belief_summary import SMALLEST_HYPOTHESIS, displacement_factors
+from cable_tracker.cable.hypotheses.cluster_estimates import (
+    SMALLEST_HYPOTHESIS,
+    displacement_factors,
+)
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     GIVEN_PRESENCE,
     MultiHypothesisFilter,
 )
-from cable_tracker.cable.hypotheses.propose import frame_inputs
-from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST, LEAST_PRESENCE
+from cable_tracker.cable.hypotheses.presence import HIGHEST, LEAST_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.map.cable_map import (

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.prediction import (
     SMALLEST_CLUSTER_SHARE,
     Ancestors,
@@ -12,7 +13,6 @@ from cable_tracker.cable.hypotheses.prediction import (
     surviving_ancestors,
     with_strips_in_birth_density,
 )
-from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.parameters.parameters import TrackerParameters

@@ -1,1 +1,0 @@
-"""What the weighed particles of a frame say, and what they are held against."""
