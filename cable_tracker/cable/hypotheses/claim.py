@@ -34,7 +34,6 @@ from cable_tracker.cable.measure.map.cable_map import NO_KEPT_MAP
 from cable_tracker.cable.model.geometry import lengths_inside, project_borders
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.particle_filter.existence import probability_of
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.tracking.rates import over_time
 
@@ -108,7 +107,7 @@ def updated_belief(
         Whether the hypothesis that led before the frame was known.
     """
     hypotheses = conclusion.hypotheses
-    presence = probability_of(float(conclusion.log_odds[0]))
+    presence = conclusion.presence
     is_known = conclusion.goes_on and was_known
     is_followed = conclusion.goes_on and before.is_followed
     is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, frame_scale) and (

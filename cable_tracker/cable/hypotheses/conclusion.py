@@ -37,6 +37,7 @@ from cable_tracker.cable.hypotheses.presence import (
     FrameScores,
     inherited_log_odds,
     is_same_hypothesis,
+    scaled_pose_distance,
     shown_share,
     thin_factor,
     trusted_appearance,
@@ -60,6 +61,7 @@ from cable_tracker.cable.measure.map.cable_map import is_worked_out, map_match
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
+from cable_tracker.particle_filter.existence import probability_of
 from cable_tracker.particle_filter.particles import (
     effective_sample_size,
     exponentials,
@@ -80,8 +82,13 @@ class Conclusion(NamedTuple):
         Log-odds that the clusters are cables, shape (K,) [nats].
     p_bright : float
         Weighted share of bright cables: probability that the cable is brighter than the bottom.
+    presence : float
+        Probability that the first of the clusters is a cable.
+    deviation : float
+        How far the first one is from where the one that led before the frame is expected, see
+        `scaled_pose_distance`.
     goes_on : bool
-        Whether the leading cluster continues the one that led before the frame.
+        Whether it continues that one: the deviation is below 1.
     """
 
     states: FloatArray
@@ -89,6 +96,8 @@ class Conclusion(NamedTuple):
     hypotheses: Hypotheses
     log_odds: FloatArray
     p_bright: float
+    presence: float
+    deviation: float
     goes_on: bool
 
 
@@ -115,11 +124,19 @@ def draw_and_conclude(sample: Sample, inputs: FrameInputs, config: FrameConfig) 
     log_odds = _log_odds(corrected, clear, sample, inputs, config)
     order = most_probable_first(corrected.clusters.masses, log_odds)
     hypotheses = _hypotheses(states, corrected, clear, order, sample, inputs)
-    goes_on = is_same_hypothesis(
+    deviation = scaled_pose_distance(
         hypotheses.clusters.means[0], inputs.prior.expected[0], config.same_hypothesis_radii
     )
-    p_bright = _p_bright(corrected.weights, sample, inputs)
-    return Conclusion(states, corrected.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
+    return Conclusion(
+        states,
+        corrected.log_weights,
+        hypotheses,
+        log_odds[order],
+        _p_bright(corrected.weights, sample, inputs),
+        probability_of(log_odds[order[0]]),
+        deviation,
+        deviation < 1.0,
+    )
 
 
 class CorrectedClusters(NamedTuple):
@@ -242,7 +259,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
     hypotheses = unmeasured_hypotheses(clusters, covariance, 0.0)
-    return Conclusion(states, log_posterior, hypotheses, none, 0.0, False)
+    return Conclusion(states, log_posterior, hypotheses, none, 0.0, 0.0, 0.0, False)
 
 
 @compiled_loop

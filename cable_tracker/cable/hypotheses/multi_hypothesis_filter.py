@@ -91,8 +91,8 @@ MOST_OF_MAP = 2
 """Number of strips of the map about which cables are born, and which are candidates."""
 
 STRAYING = 0.45
-"""A leader strays whose distance from its expected state is more than this factor times the radii
-within which it is the same hypothesis."""
+"""Deviation of the leader, see `Conclusion`, from which on a kept map is not used. It is moved with
+the leader: once that is a shadow beside the cable, the map would show the shadow as cable."""
 
 SAME_TIME = 1e-6
 """Tolerance of the age of a kept map, for rounding of the times between frames [s]."""
@@ -208,7 +208,7 @@ class MultiHypothesisFilter:
             self._concluded, belief, prediction, image, detections, is_known=is_known
         )
         conclusion = conclude(looks=looks)
-        if not looks and self._strays(conclusion, prediction):
+        if not looks and self._uses_map and conclusion.deviation >= STRAYING:
             looks, conclusion = True, conclude(looks=True)
         if not len(conclusion.hypotheses.clusters.masses):
             # The poses of all particles are impossible.
@@ -246,18 +246,6 @@ class MultiHypothesisFilter:
         are_clear = belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
         is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
         return self._uses_map and not (is_known and are_clear and is_recent)
-
-    def _strays(self, conclusion: Conclusion, prediction: Prediction) -> bool:
-        """Tell whether the leader is too far from its expected state for the kept map to be used.
-
-        A kept map is moved with the leader: once that is a shadow beside the cable, the map would
-        show the shadow as cable.
-        """
-        means = conclusion.hypotheses.clusters.means
-        if not (self._uses_map and len(means)):
-            return False
-        radii = STRAYING * self._config.same_hypothesis_radii
-        return not is_same_hypothesis(means[0], prediction.prior.expected[0], radii)
 
     def _concluded(
         self,

@@ -26,7 +26,7 @@ from cable_tracker.cable.hypotheses.presence import PriorPresence
 from cable_tracker.cable.model.geometry import inset, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits
-from cable_tracker.cable.model.movement import CableMovement, MotionAid
+from cable_tracker.cable.model.movement import CableMovement, Diffusion, MotionAid
 from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled
@@ -152,8 +152,12 @@ class Predictor:
         ancestors, survival = surviving_ancestors(
             drawn, reference_angle, self._image_size, self._survival_rates, dt
         )
+        births, memory = self._births_anywhere, belief.memory
+        if memory is not None:
+            births = births_with_memory(births, memory, parameters.memory_time, self._frame_scale)
         birth = event_probability(parameters.appearance_rate, dt)
         survived, born = belief.presence * survival, (1.0 - belief.presence) * birth
+        switched = survived * event_probability(BORDER_SWITCH_RATE, dt)
         # In the first frame after a given prior dt is 0, and a kernel would be a point.
         time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
         # Consecutive frames look alike, the less the longer the time between them.
@@ -161,58 +165,50 @@ class Predictor:
         rated = dt if motion is not None else min(dt, MOST_RATED)
         expected = means.copy()
         expected[:, :POSE_SIZE] = self._movement.expected(means, rated, motion)[:, :POSE_SIZE]
-        prior = PriorPresence(
-            expected=expected,
-            log_odds=belief.log_odds,
-            survival=survival,
-            birth=birth,
-            gain=gain,
-        )
+        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
+        diffusion = self._movement.diffusion(time, motion)
+        masses = survived, born, switched
         density = self._density(
-            ancestors, survived, born, expected[0], belief.memory, dt, time, motion
+            masses, births, ancestors.weights, drifted, diffusion, expected[0], memory
+        )
+        prior = PriorPresence(
+            expected=expected, log_odds=belief.log_odds, survival=survival, birth=birth, gain=gain
         )
         return Prediction(density, prior, reference_angle)
 
     def _density(
         self,
-        ancestors: Ancestors,
-        survived: float,
-        born: float,
+        masses: tuple[float, float, float],
+        births: BirthDensity,
+        weights: FloatArray,
+        drifted: FloatArray,
+        diffusion: Diffusion,
         leader: FloatArray,
         memory: RememberedCable | None,
-        dt: float,
-        time: float,
-        motion: MotionAid | None,
     ) -> PredictedDensity:
         """Return the density of cables in view.
 
-        `survived`, `born`: probabilities that a cable is in view and was, or was not, in the frame
-        before. `leader`: expected state of the leading hypothesis, shape (8,). `time`: time over
-        which the kernels diffuse [s].
+        `masses`: probabilities that a cable in view was in the frame before, that it was not, and
+        that the leading hypothesis had one border wrong. `weights` (M,), `drifted` (M, 8): those of
+        the ancestors. `leader`: expected state of the leading hypothesis, shape (8,).
         """
-        parameters = self._parameters
-        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
-        diffusion = self._movement.diffusion(time, motion)
-        births = self._births_anywhere
-        if memory is not None:
-            births = births_with_memory(births, memory, parameters.memory_time, self._frame_scale)
-        switched = survived * event_probability(BORDER_SWITCH_RATE, dt)
+        survived, born, switched = (max(mass, LEAST_PROBABILITY) for mass in masses)
         return PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
                 np.maximum(diffusion.pose_scales, self._smallest_kernel),
                 self._movement.degrees_of_freedom,
-                ancestors.weights,
+                weights,
             ),
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
             rate_gains=diffusion.rate_gains,
             rate_scales=np.ascontiguousarray(diffusion.rate_scales),
-            mass_survived=max(survived, LEAST_PROBABILITY),
-            mass_born=max(born, LEAST_PROBABILITY),
+            mass_survived=survived,
+            mass_born=born,
             log_width=memory.log_width if memory is not None else 0.0,
-            width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
+            width_spread=memory.width_spread(self._parameters) if memory is not None else math.inf,
             births=births,
-            mass_switched=max(switched, LEAST_PROBABILITY),
+            mass_switched=switched,
             border_switch=switch_from(leader, *self._widths, self._frame_scale),
         )
 

@@ -27,6 +27,7 @@ from cable_tracker.cable.hypotheses.predicted_density import width_penalty
 from cable_tracker.cable.measure.map.cable_map import NO_KEPT_MAP, NO_MAP, KeptMap, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.existence import probability_of
 
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
@@ -97,7 +98,16 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
     hypotheses = BEFORE.hypotheses._replace(
         scaled_clearness=clearness, weaker_border_mean=border_mean
     )
-    return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0, goes_on)
+    return Conclusion(
+        LEADER[None],
+        np.zeros(1),
+        hypotheses,
+        np.array([log_odds]),
+        1.0,
+        probability_of(log_odds),
+        0.0,
+        goes_on,
+    )
 
 
 def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
