@@ -211,8 +211,8 @@ class CableTracker:
             before = self._filter.first_belief()
             self._status = self._status.searched()
         detections = NO_PROPOSALS
-        if self._proposer is not None and not self._filter.is_known(before):
-            is_searching = self._filter.is_searching(before)
+        if self._proposer is not None and not before.is_known(self._parameters):
+            is_searching = before.is_searching(self._parameters)
             detections = self._proposer.propose(image, is_searching=is_searching)
         belief: Any = self._filter.step(before, image, dt, detections, motion)
         self._belief = belief

@@ -20,6 +20,7 @@ from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.predicted_density import NARROWEST
 from cable_tracker.cable.hypotheses.presence import (
     LEAST_PRESENCE,
+    LIKELY_PRESENCE,
     LOWEST,
     is_same_hypothesis,
 )
@@ -238,12 +239,24 @@ class Belief:
         """Whether the leading hypothesis was given, or its known time has begun."""
         return self.is_given or self.known_time > 0.0
 
-    def is_known(self, known_after: float) -> bool:
-        """Tell whether the leading hypothesis is known; `known_after` is the parameter [s].
+    def is_too_faint(self, parameters: TrackerParameters) -> bool:
+        """Tell whether the search begins anew with the next frame, see `faint_time`."""
+        return self.faint_time >= parameters.search_time
 
-        With `known_after` 0 the known time must have begun, too.
+    def is_searching(self, parameters: TrackerParameters) -> bool:
+        """Tell whether presence is below 0.5, or the search begins anew with the next frame."""
+        return self.presence < LIKELY_PRESENCE or self.is_too_faint(parameters)
+
+    def is_known(self, parameters: TrackerParameters) -> bool:
+        """Tell whether the leading hypothesis is known, and no search begins anew.
+
+        With the parameter `known_after` 0 the known time must have begun, too.
         """
-        return self.is_given or (self.known_time > 0.0 and self.known_time >= known_after)
+        if self.is_too_faint(parameters):
+            return False
+        return self.is_given or (
+            self.known_time > 0.0 and self.known_time >= parameters.known_after
+        )
 
 
 def is_familiar(belief: Belief, parameters: TrackerParameters, frame_scale: float) -> bool:

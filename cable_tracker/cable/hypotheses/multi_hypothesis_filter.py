@@ -165,16 +165,6 @@ class MultiHypothesisFilter:
             return resampled_belief(belief, indices)
         return self.given_belief(particles.states[indices], is_certain=False)
 
-    def is_searching(self, belief: Belief) -> bool:
-        """Tell whether presence is below 0.5, or the search begins anew with the next frame."""
-        is_too_faint = belief.faint_time >= self._parameters.search_time
-        return belief.presence < LIKELY_PRESENCE or is_too_faint
-
-    def is_known(self, belief: Belief) -> bool:
-        """Tell whether the leading hypothesis is known, and no search begins anew."""
-        is_too_faint = belief.faint_time >= self._parameters.search_time
-        return belief.is_known(self._parameters.known_after) and not is_too_faint
-
     def step(
         self,
         belief: Belief,
@@ -198,10 +188,10 @@ class MultiHypothesisFilter:
         motion : MotionAid or None
             How odometry says that the cable has moved; None: by its own rates. None if `dt` is 0.
         """
-        if belief.faint_time >= self._parameters.search_time:
+        if belief.is_too_faint(self._parameters):
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
-        is_known = belief.is_known(self._parameters.known_after)
+        is_known = belief.is_known(self._parameters)
         prediction = self._predictor.predict(belief, dt, motion)
         looks = self._looks_at_map(belief, is_known=is_known)
         conclude = partial(

@@ -93,14 +93,6 @@ class BootstrapFilter:
             particles = particles.selected(self._resample(particles.weights, count, self._rng))
         return BootstrapBelief(particles, belief.is_given)
 
-    def is_searching(self, belief: BootstrapBelief) -> bool:
-        """Tell whether none is followed: it cannot tell, and follows one."""
-        return False
-
-    def is_known(self, belief: BootstrapBelief) -> bool:
-        """Tell whether it is known where the cable is: never."""
-        return False
-
     def step(
         self,
         belief: BootstrapBelief,

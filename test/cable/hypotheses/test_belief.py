@@ -61,7 +61,7 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     [
         (0.0, False, 1.0, False),
         (1.0, False, 1.0, True),
-        (0.0, True, 1e6, True),
+        (0.0, True, 5.0, True),
         (0.04, False, 0.0, True),
         (0.0, False, 0.0, False),
     ],
@@ -71,7 +71,9 @@ def test_only_what_was_given_or_held_for_a_cable_is_known(
 ):
     belief = initial_belief(rng.normal(0.0, 0.1, (5, 8)), 0.9)
     belief = replace(belief, known_time=known_time, is_given=is_given)
-    assert belief.is_known(known_after) == is_known
+    parameters = PARAMETERS.replaced({"known_after": known_after})
+    assert belief.is_known(parameters) == is_known
+    assert not replace(belief, faint_time=PARAMETERS.search_time).is_known(parameters)
     assert belief.is_followed == (is_given or known_time > 0.0)
 
 
@@ -111,7 +113,7 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
 
 
 def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
-    was_known = before.is_known(PARAMETERS.known_after)
+    was_known = before.is_known(PARAMETERS)
     return updated_belief(before, found, 0.1, PARAMETERS, (320, 240), 1.0, was_known=was_known)
 
 
