@@ -107,6 +107,48 @@ class RememberedCable:
         return difference / self.width_spread(parameters)
 
 
+def remember(
+    before: RememberedCable | None,
+    leader: FloatArray,
+    image_size: tuple[int, int],
+    dt: float,
+    parameters: TrackerParameters,
+    frame_scale: float,
+) -> RememberedCable:
+    """Return the memory after a frame in which a cable is tracked.
+
+    Parameters
+    ----------
+    before : RememberedCable or None
+        The memory before the frame.
+    leader : FloatArray
+        State of the cable, shape (8,).
+    image_size : (int, int)
+        Width and height of the frames [px].
+    dt : float
+        Time since the frame before [s].
+    parameters : TrackerParameters
+        The tracker's parameters.
+    frame_scale : float
+        See `WorkingImage`.
+    """
+    state = wrap_state(leader)
+    log_width, tracked_time = math.log(max(float(state[WIDTH]), NARROWEST)), 0.0
+    if before is not None:
+        share = -math.expm1(-dt / parameters.width_time)
+        log_width = before.log_width + share * (log_width - before.log_width)
+        tracked_time = before.tracked_time + dt
+    within = inset(state, *image_size)
+    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * frame_scale
+    return RememberedCable(
+        pose=state[:POSE_SIZE].copy(),
+        side=float(np.sign(state[DISTANCE])) if is_leaving else 0.0,
+        inset=within,
+        log_width=log_width,
+        tracked_time=tracked_time,
+    )
+
+
 class Hypotheses(NamedTuple):
     """The clusters of the particles, and how the frame shows the leading one.
 
@@ -310,45 +352,3 @@ def without_fixture(belief: Belief, event: str) -> Belief:
         belief, presence=LEAST_PRESENCE, log_odds=log_odds, is_clear=False, known_time=0.0,
         is_given=False, faint_time=0.0, event=event,
     )  # fmt: skip
-
-
-def remember(
-    before: RememberedCable | None,
-    leader: FloatArray,
-    image_size: tuple[int, int],
-    dt: float,
-    parameters: TrackerParameters,
-    frame_scale: float,
-) -> RememberedCable:
-    """Return the memory after a frame in which a cable is tracked.
-
-    Parameters
-    ----------
-    before : RememberedCable or None
-        The memory before the frame.
-    leader : FloatArray
-        State of the cable, shape (8,).
-    image_size : (int, int)
-        Width and height of the frames [px].
-    dt : float
-        Time since the frame before [s].
-    parameters : TrackerParameters
-        The tracker's parameters.
-    frame_scale : float
-        See `WorkingImage`.
-    """
-    state = wrap_state(leader)
-    log_width, tracked_time = math.log(max(float(state[WIDTH]), NARROWEST)), 0.0
-    if before is not None:
-        share = -math.expm1(-dt / parameters.width_time)
-        log_width = before.log_width + share * (log_width - before.log_width)
-        tracked_time = before.tracked_time + dt
-    within = inset(state, *image_size)
-    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * frame_scale
-    return RememberedCable(
-        pose=state[:POSE_SIZE].copy(),
-        side=float(np.sign(state[DISTANCE])) if is_leaving else 0.0,
-        inset=within,
-        log_width=log_width,
-        tracked_time=tracked_time,
-    )

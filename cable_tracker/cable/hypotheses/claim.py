@@ -145,6 +145,56 @@ def updated_belief(
     )
 
 
+def updated_p_bright(
+    before: float, found: float, presence: float, memory: float, dt: float
+) -> float:
+    """Return the probability that the cable is bright, `dt` seconds after one `before`.
+
+    `found`: share of the particles' weight that speaks for a bright cable; it counts as far as
+    there is one, `presence`. `memory`: factor on the deviation from 0.5 per frame of 25 per second.
+    """
+    kept = over_time(memory, dt)
+    now = presence * found + (1.0 - presence) * before
+    p_bright = kept * now + (1.0 - kept) * 0.5
+    return float(min(max(p_bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))
+
+
+def belief_summary(
+    belief: Belief, parameters: TrackerParameters, frame_scale: float
+) -> BeliefSummary:
+    """Return what a belief says about the frame that it came from.
+
+    `frame_scale`: see `WorkingImage`.
+    """
+    hypotheses = belief.hypotheses
+    by_map = belief.kept_map.borders
+    mean, covariance = leading_estimate(hypotheses, by_map, parameters, frame_scale)
+    visible = hypotheses.visible_length >= MINIMUM_LENGTH
+    familiar = is_familiar(belief, parameters, frame_scale)
+    is_present = belief.presence >= parameters.presence_to_lose
+    is_acceptable = visible and (belief.is_clear or familiar)
+    is_claimable = (
+        is_acceptable
+        and belief.presence >= parameters.presence_to_track
+        and belief.evidence >= parameters.evidence_to_track
+    )
+    return BeliefSummary(
+        covariance=covariance,
+        effective_sample_size=hypotheses.effective_size,
+        evidence=belief.evidence,
+        supports_claim=is_claimable,
+        supports_new_claim=is_claimable and belief.is_clear,
+        supports_keeping=is_acceptable
+        and is_present
+        and belief.evidence >= parameters.evidence_to_lose,
+        contradicts_claim=not is_present or (belief.memory is not None and not familiar),
+        follows_given=belief.is_given,
+        presence=belief.presence,
+        hypotheses=reported_hypotheses(hypotheses.clusters, mean, parameters, frame_scale),
+        event=belief.event,
+    )
+
+
 def is_new_clear(
     hypotheses: Hypotheses,
     memory: RememberedCable | None,
@@ -269,53 +319,3 @@ def claim_score_by_map(hypotheses: Hypotheses) -> float:
     """Return the claim score with the weights of an appearance by a map [nats per point]."""
     above = hypotheses.appearance - ORDINARY_APPEARANCE
     return hypotheses.scaled_clearness + MAPPED_SHARE * min(above, MOST_MAPPED)
-
-
-def updated_p_bright(
-    before: float, found: float, presence: float, memory: float, dt: float
-) -> float:
-    """Return the probability that the cable is bright, `dt` seconds after one `before`.
-
-    `found`: share of the particles' weight that speaks for a bright cable; it counts as far as
-    there is one, `presence`. `memory`: factor on the deviation from 0.5 per frame of 25 per second.
-    """
-    kept = over_time(memory, dt)
-    now = presence * found + (1.0 - presence) * before
-    p_bright = kept * now + (1.0 - kept) * 0.5
-    return float(min(max(p_bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))
-
-
-def belief_summary(
-    belief: Belief, parameters: TrackerParameters, frame_scale: float
-) -> BeliefSummary:
-    """Return what a belief says about the frame that it came from.
-
-    `frame_scale`: see `WorkingImage`.
-    """
-    hypotheses = belief.hypotheses
-    by_map = belief.kept_map.borders
-    mean, covariance = leading_estimate(hypotheses, by_map, parameters, frame_scale)
-    visible = hypotheses.visible_length >= MINIMUM_LENGTH
-    familiar = is_familiar(belief, parameters, frame_scale)
-    is_present = belief.presence >= parameters.presence_to_lose
-    is_acceptable = visible and (belief.is_clear or familiar)
-    is_claimable = (
-        is_acceptable
-        and belief.presence >= parameters.presence_to_track
-        and belief.evidence >= parameters.evidence_to_track
-    )
-    return BeliefSummary(
-        covariance=covariance,
-        effective_sample_size=hypotheses.effective_size,
-        evidence=belief.evidence,
-        supports_claim=is_claimable,
-        supports_new_claim=is_claimable and belief.is_clear,
-        supports_keeping=is_acceptable
-        and is_present
-        and belief.evidence >= parameters.evidence_to_lose,
-        contradicts_claim=not is_present or (belief.memory is not None and not familiar),
-        follows_given=belief.is_given,
-        presence=belief.presence,
-        hypotheses=reported_hypotheses(hypotheses.clusters, mean, parameters, frame_scale),
-        event=belief.event,
-    )

@@ -122,6 +122,59 @@ def sample_counts(
     )
 
 
+class FrameNoise(NamedTuple):
+    """Random numbers for N particles, B of which are births.
+
+    Attributes
+    ----------
+    normal : FloatArray
+        Standard normal, shape (N, 8): columns of the state.
+    tail_factors : FloatArray
+        Factors that make Student-t numbers of the normal ones, shape (N, 2): of the pose, of the
+        rates.
+    uniform : FloatArray
+        Uniform in [0, 1), shape (N, 8): places of births in the search box. Column 0 of a particle
+        whose pose is proposed chooses the ancestor that gives it its rates.
+    about_memory : FloatArray
+        Student-t, shape (B, 4): deviations of births from the remembered cable, in its scales.
+    anywhere : FloatArray
+        Uniform in [0, 1), shape (R, 4): d, alpha, w, beta of background strips of any kind.
+    elsewhere : FloatArray
+        Uniform in [0, 1), shape (S,): d of background strips like the hypotheses.
+    alike : FloatArray
+        Standard normal, shape (S, 3): deviations of alpha, log w, beta of background strips like
+        the hypotheses.
+    """
+
+    normal: FloatArray
+    tail_factors: FloatArray
+    uniform: FloatArray
+    about_memory: FloatArray
+    anywhere: FloatArray
+    elsewhere: FloatArray
+    alike: FloatArray
+
+
+def draw_frame_noise(
+    rng: np.random.Generator, count: int, births: int, degrees_of_freedom: float
+) -> FrameNoise:
+    """Draw for `count` particles, `births` of which are born.
+
+    `degrees_of_freedom` are those of the movement; with infinite ones they are 1.
+    """
+    normal = rng.standard_normal((count, STATE_SIZE))
+    tail_factors = student_t_factors(rng, count, 2, degrees_of_freedom)
+    return FrameNoise(
+        normal,
+        tail_factors,
+        rng.random((count, STATE_SIZE)),
+        rng.standard_t(BIRTH_TAIL, (births, POSE_SIZE)),
+        rng.random((STRIPS_ANYWHERE, POSE_SIZE)),
+        rng.random(STRIPS_ALIKE),
+        rng.standard_normal((STRIPS_ALIKE, ALIKE)),
+    )
+
+
 class FrameInputs(NamedTuple):
     """What changes from frame to frame.
 
@@ -275,56 +328,3 @@ def refined_counts(parameters: TrackerParameters) -> IndexArray:
     rounds = parameters.refinement_rounds
     parts = [1.0] * (rounds - 1) + [1.5] if rounds else []
     return np.array([int(refined * (part / sum(parts))) for part in parts], np.int64)
-
-
-class FrameNoise(NamedTuple):
-    """Random numbers for N particles, B of which are births.
-
-    Attributes
-    ----------
-    normal : FloatArray
-        Standard normal, shape (N, 8): columns of the state.
-    tail_factors : FloatArray
-        Factors that make Student-t numbers of the normal ones, shape (N, 2): of the pose, of the
-        rates.
-    uniform : FloatArray
-        Uniform in [0, 1), shape (N, 8): places of births in the search box. Column 0 of a particle
-        whose pose is proposed chooses the ancestor that gives it its rates.
-    about_memory : FloatArray
-        Student-t, shape (B, 4): deviations of births from the remembered cable, in its scales.
-    anywhere : FloatArray
-        Uniform in [0, 1), shape (R, 4): d, alpha, w, beta of background strips of any kind.
-    elsewhere : FloatArray
-        Uniform in [0, 1), shape (S,): d of background strips like the hypotheses.
-    alike : FloatArray
-        Standard normal, shape (S, 3): deviations of alpha, log w, beta of background strips like
-        the hypotheses.
-    """
-
-    normal: FloatArray
-    tail_factors: FloatArray
-    uniform: FloatArray
-    about_memory: FloatArray
-    anywhere: FloatArray
-    elsewhere: FloatArray
-    alike: FloatArray
-
-
-def draw_frame_noise(
-    rng: np.random.Generator, count: int, births: int, degrees_of_freedom: float
-) -> FrameNoise:
-    """Draw for `count` particles, `births` of which are born.
-
-    `degrees_of_freedom` are those of the movement; with infinite ones they are 1.
-    """
-    normal = rng.standard_normal((count, STATE_SIZE))
-    tail_factors = student_t_factors(rng, count, 2, degrees_of_freedom)
-    return FrameNoise(
-        normal,
-        tail_factors,
-        rng.random((count, STATE_SIZE)),
-        rng.standard_t(BIRTH_TAIL, (births, POSE_SIZE)),
-        rng.random((STRIPS_ANYWHERE, POSE_SIZE)),
-        rng.random(STRIPS_ALIKE),
-        rng.standard_normal((STRIPS_ALIKE, ALIKE)),
-    )

@@ -33,7 +33,6 @@ MOST_REFINED, LEAST_REFINED = 3, 0.02
 """Largest number of clusters that a round draws about, and their minimum mass (the heaviest is
 always one)."""
 
-
 MOST_LOOKED_AT, MOST_CANDIDATES = 12, 3
 """Numbers of particles that are looked at in a round, and of candidates among them and the strips
 of the map."""

@@ -27,7 +27,6 @@ from cable_tracker.particle_filter.student_t import (
 LEAST_PROBABILITY = 1e-12
 """Stands for a probability or a number of zero where something is divided by it."""
 
-
 WIDTH_TAIL = 4.0
 """Degrees of freedom of the Student-t about the mean width."""
 

@@ -63,6 +63,47 @@ CANDIDATE_NARROWING = 0.5
 """Factor on the kernel scales of detections, for each round once more."""
 
 
+class Sample(NamedTuple):
+    """Room for N particles of a frame.
+
+    Attributes
+    ----------
+    states : FloatArray
+        The particles, shape (N, 8), in the chart about one reference angle.
+    densities : DensityValues
+        Densities before the frame is looked at.
+    measured : CableMeasures
+        Log-likelihood ratios of the frame, for either polarity.
+    map_log_ratios : FloatArray
+        What the map of the frame adds, shape (N,); 0 without one [nats].
+    log_likelihoods : FloatArray
+        Log-likelihood ratios averaged over the polarity, plus `map_log_ratios` and the width
+        penalties, shape (N,); -inf for impossible poses [nats].
+    proposal_density : FloatArray
+        Density q of the mixture of proposals that the particles were drawn from, times their
+        number, shape (N,).
+    """
+
+    states: FloatArray
+    densities: DensityValues
+    measured: CableMeasures
+    map_log_ratios: FloatArray
+    log_likelihoods: FloatArray
+    proposal_density: FloatArray
+
+
+def empty_sample(count: int) -> Sample:
+    """Return room for some particles."""
+    return Sample(
+        np.empty((count, STATE_SIZE)),
+        empty_densities(count),
+        allocate_measures(count),
+        np.zeros(count),
+        np.empty(count),
+        np.empty(count),
+    )
+
+
 class Drawn(NamedTuple):
     """What has been drawn of a sample after some rounds.
 
@@ -251,47 +292,6 @@ def _fill_proposal_density(
             states, start, stop, counts.detections, drawn.centres, config, density
         )
     add_peak_densities(states, start, stop, drawn.peaks, config.degrees_of_freedom, density)
-
-
-class Sample(NamedTuple):
-    """Room for N particles of a frame.
-
-    Attributes
-    ----------
-    states : FloatArray
-        The particles, shape (N, 8), in the chart about one reference angle.
-    densities : DensityValues
-        Densities before the frame is looked at.
-    measured : CableMeasures
-        Log-likelihood ratios of the frame, for either polarity.
-    map_log_ratios : FloatArray
-        What the map of the frame adds, shape (N,); 0 without one [nats].
-    log_likelihoods : FloatArray
-        Log-likelihood ratios averaged over the polarity, plus `map_log_ratios` and the width
-        penalties, shape (N,); -inf for impossible poses [nats].
-    proposal_density : FloatArray
-        Density q of the mixture of proposals that the particles were drawn from, times their
-        number, shape (N,).
-    """
-
-    states: FloatArray
-    densities: DensityValues
-    measured: CableMeasures
-    map_log_ratios: FloatArray
-    log_likelihoods: FloatArray
-    proposal_density: FloatArray
-
-
-def empty_sample(count: int) -> Sample:
-    """Return room for some particles."""
-    return Sample(
-        np.empty((count, STATE_SIZE)),
-        empty_densities(count),
-        allocate_measures(count),
-        np.zeros(count),
-        np.empty(count),
-        np.empty(count),
-    )
 
 
 @compiled_loop
