@@ -336,7 +336,8 @@ class MapBorders(NamedTuple):
         of what the cells beside its borders and the strip nearby that overlaps best with the map
         say, 0 if they disagree which way.
     left_rim, right_rim : float
-        Widths of the parts along its borders that are shadows beside the cable [px]; 0: none.
+        Widths of the parts along its borders that are shadows beside the cable [px]; 0: none. Below
+        0 where the strip is only a part of the cable: how far that goes on beyond the border.
     """
 
     widening: float

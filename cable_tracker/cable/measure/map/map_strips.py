@@ -10,7 +10,8 @@ Where borders of a given strip are steepest need not be where the cable ends. Th
 round cable falls off towards its silhouette, and grown over it is ragged there: the steepest place
 of the picture lies inside, and the likelihood puts the border there. The network has learnt where
 the silhouette is. It tells that to about a pixel, less finely than borders that are crisp; so what
-it says is measured twice, and of the two the smaller counts.
+it says is measured twice, and of the two the smaller counts. Where the strip is half a cable or
+less, a bright stripe or a flank in shade, the strip that the map shows clearly replaces it.
 
 A shadow beside a cable has a crisp border, too, on its far side, and where it is about as dark as
 the cable the likelihood takes both for one strip. The map shows the cable without it. But of a
@@ -69,6 +70,12 @@ LEAST_RIM, MOST_OF_WIDTH = 0.75, 0.45
 LEAST_WITH_RIM, LEAST_OVERLAP = 8.0, 1.6
 """Limits of a strip a part of which may be a shadow: its width [cells] and the overlap of the rest
 with the map [nats]. Of a thin or faint cable maps show less than there is."""
+
+LEAST_ADDED, LEAST_WHOLE, LARGEST_TURN, LEAST_GAIN = 1.5, 4.0, math.radians(4.0), 0.6
+"""Conditions for a strip to be a part of a cable that the map shows, besides `MOST_WIDENING` and
+`LEAST_OVERLAP`: how much wider the whole is at least, and its width [cells]; the angle between the
+two at most [rad]; and how much more the whole overlaps with the map [nats]. Chosen on two held-out
+simulators, AH and AI."""
 
 RIM_STEP, ROUNDS = 0.5, 2
 """Step of the width of a part along a border that is left out [cells], and how often one border
@@ -219,7 +226,12 @@ def map_borders(
     """
     if not is_worked_out(cable_map):
         return AS_THE_STRIP
-    widening = _widening(state, cable_map)
+    nearby = state.copy()
+    refine_strip(cable_map, nearby)
+    if _is_part_of(state, nearby, cable_map):
+        left, right = _parts_beyond(state, nearby, MAP_BLUR * cable_map.cell)
+        return MapBorders(0.0, -left, -right)
+    widening = _widening(state, nearby, cable_map)
     if state[WIDTH] < LEAST_WITH_RIM * cable_map.cell:
         return MapBorders(widening, 0.0, 0.0)
     # Shadows are rather not cable than half of one: only what is more likely than not counts.
@@ -237,13 +249,46 @@ def map_borders(
     return MapBorders(widening, left_rim, right_rim)
 
 
+@compiled_inside
+def _is_part_of(state: FloatArray, nearby: FloatArray, cable_map: CableMap) -> bool:
+    """Tell whether a strip (8,) is only a part of a cable, `nearby` (8,), that a map shows clearly.
+
+    So where a bright stripe of a round cable, or its flank in shade, has clearer borders than the
+    whole of it.
+    """
+    added = nearby[WIDTH] - state[WIDTH]
+    if added < max(MOST_WIDENING * state[WIDTH], LEAST_ADDED * cable_map.cell):
+        return False
+    if nearby[WIDTH] < LEAST_WHOLE * cable_map.cell:
+        return False
+    if abs(nearby[ANGLE] - state[ANGLE]) > LARGEST_TURN:
+        return False
+    if abs(nearby[DISTANCE] - state[DISTANCE]) > 0.5 * added + cable_map.cell:
+        return False
+    overlap = map_overlap(nearby, cable_map)
+    gain: float = overlap - map_overlap(state, cable_map)
+    return overlap >= LEAST_OVERLAP and gain >= LEAST_GAIN
+
+
+@compiled_inside
+def _parts_beyond(state: FloatArray, nearby: FloatArray, blur: float) -> tuple[float, float]:
+    """Return how far beyond the left and the right border of a strip those of `nearby` lie [px].
+
+    At least 0; `blur`: how much wider than a cable a map shows it [px].
+    """
+    added = nearby[WIDTH] - blur - state[WIDTH]
+    shift = nearby[DISTANCE] - state[DISTANCE]
+    return max(0.5 * added - shift, 0.0), max(0.5 * added + shift, 0.0)
+
+
 @compiled_part
-def _widening(state: FloatArray, cable_map: CableMap) -> float:
-    """Return how much wider than a strip a map shows it [px]; see `MapBorders`."""
+def _widening(state: FloatArray, nearby: FloatArray, cable_map: CableMap) -> float:
+    """Return how much wider than a strip a map shows it [px]; see `MapBorders`.
+
+    `nearby`: the strip of the map that is refined from it, (8,).
+    """
     width, blur = state[WIDTH], MAP_BLUR * cable_map.cell
     by_cells = _widening_by_cells(state, cable_map) - blur
-    nearby = state.copy()
-    refine_strip(cable_map, nearby)
     by_strip: float = nearby[WIDTH] - width - blur
     if by_cells * by_strip <= 0.0:
         return 0.0

@@ -133,9 +133,30 @@ def test_what_is_not_worked_out_shows_the_strip_as_it_is():
     assert map_borders(strip, NO_MAP, EVEN, 1.0) == AS_THE_STRIP
 
 
-def test_the_widening_is_bounded_by_the_width():
-    strip, shown = CableState(0.0, 0.2, 20.0), sure_map_of(CableState(0.0, 0.2, 60.0))
-    assert widening_of(strip.to_array(), shown) == pytest.approx(MOST_WIDENING * 20.0)
+def test_the_widening_of_a_thin_strip_is_bounded_by_its_width():
+    strip, shown = CableState(0.0, 0.2, 8.0), sure_map_of(CableState(0.0, 0.2, 15.0))
+    assert widening_of(strip.to_array(), shown) == pytest.approx(MOST_WIDENING * 8.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, -1.2])
+@pytest.mark.parametrize("aside", [-8.0, 0.0, 8.0])
+def test_a_stripe_of_a_cable_is_widened_to_what_the_map_shows(angle, aside):
+    stripe, cable = CableState(10.0 + aside, angle, 12.0), CableState(10.0, angle, 32.0)
+    widening, left, right = map_borders(stripe.to_array(), sure_map_of(cable), EVEN, 1.0)
+    assert widening == 0.0
+    assert -left == pytest.approx(10.0 + aside, abs=3.0)
+    assert -right == pytest.approx(10.0 - aside, abs=3.0)
+
+
+def test_a_strip_across_the_cable_or_beside_it_is_no_part_of_it():
+    shown = sure_map_of(CableState(0.0, 0.2, 32.0))
+    for strip in (CableState(0.0, 0.6, 12.0), CableState(40.0, 0.2, 12.0)):
+        assert map_borders(strip.to_array(), shown, EVEN, 1.0)[1:] == (0.0, 0.0)
+
+
+def test_a_stripe_of_what_a_map_hardly_shows_stays_as_it_is():
+    stripe, pale = CableState(0.0, 0.2, 12.0), sure_map_of(CableState(0.0, 0.2, 32.0), 0.5)
+    assert map_borders(stripe.to_array(), pale, EVEN, 1.0)[1:] == (0.0, 0.0)
 
 
 def test_cells_that_are_pale_within_the_cable_make_it_no_narrower():
