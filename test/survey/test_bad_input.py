@@ -174,7 +174,7 @@ def test_odometry_that_begins_anew_is_an_event_and_the_route_goes_on(surveyed):
     assert [each for each in route.events if each.kind is EventKind.NAVIGATION]
     assert route.along[-1] == pytest.approx(4.0, abs=1.5)
     assert np.hypot(*np.diff(route.places, axis=0).T).max() < 1.0
-    assert "began anew" in words_of(row)
+    assert "restarted" in words_of(row)
 
 
 def test_without_navigation_there_are_times_of_found_and_lost(surveyed):
