@@ -483,13 +483,15 @@ def test_a_cable_across_the_image_is_followed_over_the_wrap(draw_strip, name, to
         assert chart[1] == pytest.approx(angle, abs=tolerance)
         assert_sound(estimate, 500)
     assert estimate.status is TRACKING
-    assert estimate.standard_deviations()[0] < 3.0
+    assert estimate.standard_deviations()[0] < 4.0
 
 
 @pytest.mark.parametrize("name", ["default", "thesis"])
 @pytest.mark.parametrize("kind", ["told", "random"])
 def test_one_particle_is_enough_to_run(draw_strip, noise_picture, name, kind):
-    tracker = CableTracker(preset(name).replaced({"particle_count": 1, "border_displacement": 0.0}))
+    # What the particles alone are unsure of: no displacement, and no map to disagree with.
+    alone = {"particle_count": 1, "border_displacement": 0.0, "looks": "borders"}
+    tracker = CableTracker(preset(name).replaced(alone))
     if kind == "told":
         tracker.initialise(GivenState.around(STRIP))
     frames = [

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,8 @@ from cable_tracker.cable.hypotheses.cluster_estimates import (
     BLUR,
     BORDER_TURN,
     LEAST_WIDTH_SHARE,
+    MAP_DOUBT,
+    MOST_MAP_DOUBT,
     displaced_covariance,
     displacement_factors,
     leading_estimate,
@@ -128,3 +131,28 @@ def test_shadows_are_taken_off_the_borders_where_maps_have_a_say(parameters):
     assert more[0, 0] == pytest.approx(share * 0.25 * 0.4**2 * (6.0**2 + 2.0**2))
     assert more[2, 2] == pytest.approx(share * 0.4**2 * (6.0**2 + 2.0**2))
     assert more[0, 2] == pytest.approx(share * 0.5 * 0.4**2 * (2.0**2 - 6.0**2))
+
+
+def leading_sigmas(**changes):
+    hypotheses = initial_belief(LEADER[None], 0.99).hypotheses
+    hypotheses = hypotheses._replace(covariance=np.eye(8), **changes)
+    covariance = leading_estimate(hypotheses, AS_THE_STRIP, PARAMETERS, 1.0)[1]
+    return np.sqrt(np.diag(covariance))
+
+
+@pytest.mark.parametrize("overlap", [0.05, 0.6, 0.8, 0.9, 0.97])
+def test_borders_are_the_less_sure_the_less_the_strip_overlaps_with_its_map(overlap):
+    less, more = (
+        leading_sigmas(is_mapped=True, overlap_share=share) for share in (overlap, overlap + 0.03)
+    )
+    assert (less[:3:2] >= more[:3:2]).all()
+    added = np.sqrt(less**2 - leading_sigmas(is_mapped=False) ** 2)
+    expected = min(MAP_DOUBT * (1.0 - overlap) / overlap, MOST_MAP_DOUBT) * LEADER[2]
+    assert added[0] == pytest.approx(math.sqrt(0.5) * expected)
+    assert added[2] == pytest.approx(math.sqrt(2.0) * expected)
+    assert added[[1, 3]] == pytest.approx([0.0, 0.0], abs=1e-6)
+
+
+def test_a_strip_that_is_all_of_its_map_is_as_sure_as_its_borders():
+    sure = leading_sigmas(is_mapped=True, overlap_share=1.0)
+    assert sure == pytest.approx(leading_sigmas(is_mapped=False))
