@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
-from cable_tracker.contour.evolution import evolve
-from cable_tracker.contour.switching import ContourSettings
+from cable_tracker.contour.evolution import ContourSettings, evolve
 
 WIDTH, HEIGHT = 320, 240
 

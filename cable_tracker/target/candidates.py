@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
-from cable_tracker.contour.evolution import evolve
+from cable_tracker.contour.evolution import ContourSettings, evolve
 from cable_tracker.contour.fast_marching import arrival_times, edge_speed
-from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.tracking.robust import GAUSSIAN_MAD
 

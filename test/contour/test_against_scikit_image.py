@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.contour.evolution import evolve
-from cable_tracker.contour.switching import ContourSettings
+from cable_tracker.contour.evolution import ContourSettings, evolve
 
 MISSING = "SCIKIT-IMAGE IS MISSING: nothing is compared with it; run `pip install -e '.[dev]'`"
 segmentation = pytest.importorskip("skimage.segmentation", reason=MISSING)

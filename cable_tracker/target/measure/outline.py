@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
-from cable_tracker.contour.evolution import evolve
-from cable_tracker.contour.shape_prior import log_odds
-from cable_tracker.contour.switching import FEWEST, ContourSettings
+from cable_tracker.contour.evolution import FEWEST, ContourSettings, evolve
+from cable_tracker.contour.shapes import log_odds
 from cable_tracker.target.model.state import ANGLE, LOG_SCALE, X, Y
 from cable_tracker.target.model.template import UNIT, Template, interpolated
 from cable_tracker.target.parameters.parameters import TargetParameters

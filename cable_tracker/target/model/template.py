@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled, compiled_inside
-from cable_tracker.contour.shape_prior import signed_distances
+from cable_tracker.contour.shapes import signed_distances
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.image_frame import to_image
 

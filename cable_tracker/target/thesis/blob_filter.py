@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.contour.evolution import evolve
-from cable_tracker.contour.shape_energy import level_set_energy
-from cable_tracker.contour.switching import ContourSettings
+from cable_tracker.contour.evolution import ContourSettings, evolve
+from cable_tracker.contour.shapes import level_set_energy
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import (
     Particles,

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.contour.switching import ContourSettings
+from cable_tracker.contour.evolution import ContourSettings
 from cable_tracker.target.measure.outline import find_outline
 from cable_tracker.target.model.template import template_of_mask
 
