@@ -9,7 +9,7 @@ from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.console.terminal import console
 from cable_tracker.errors import ParameterError
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
-from cable_tracker.target.warming import warm_up_target
+from cable_tracker.target.tracker import warm_up_target
 from cable_tracker.trackers import warm_up
 from cable_tracker.tracking.parameter_table import Parameters, parameter_table
 

@@ -6,7 +6,6 @@ import copy
 from enum import IntEnum
 from typing import Any
 
-import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
@@ -14,7 +13,6 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.target.candidates import DETECTORS
 from cable_tracker.target.filter_interface import TargetBelief, TargetSummary
-from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import (
     WorkingFrame,
     check_target_frame,
@@ -45,6 +43,16 @@ LONG_GONE = 3.0
 again: by then the target is looked for in the whole picture."""
 
 NO_OTHERS = np.empty((0, STATE_SIZE))
+WARM_UP_WIDTH, WARM_UP_HEIGHT = 320, 240
+WARM_UP_FRAMES = 3
+WARM_UP_STEP = 40_000_000
+"""Size of the frames of a warm-up [px], how many, and the time between them [ns]."""
+
+WARM_UP_PARTICLES = 60
+"""Number of particles of a warm-up; compilation does not depend on it."""
+
+WARM_UP_WATER, WARM_UP_TARGET = (90, 80, 40), (30, 30, 200)
+"""Colours of its picture [blue, green, red]."""
 
 
 class FrameTask(IntEnum):
@@ -342,7 +350,7 @@ class TargetTracker:
         if outline is not None:
             left, top, right, bottom = (side * self._zoom for side in outline.box)
             box = (left, top, right, bottom)
-            corners = corners_of(outline, self._zoom)
+            corners = outline.corners(self._zoom)
             area = outline.area * self._zoom**2
         return TargetEstimate(
             stamp=self._frame.stamp,
@@ -370,13 +378,19 @@ def _covers_any(mask: BoolArray, others: FloatArray) -> bool:
     return bool(mask[rows[inside], columns[inside]].any())
 
 
-def corners_of(outline: Outline, zoom: float) -> FloatArray:
-    """Return the corners of the largest outer contour, from the frame's top left, shape (K, 2)."""
-    contours, _ = cv2.findContours(
-        outline.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
-    )
-    if not contours:
-        return np.empty((0, 2))
-    largest = max(contours, key=cv2.contourArea)[:, 0].astype(np.float64)
-    corners: FloatArray = (largest + outline.window[:2] + 0.5) * zoom
-    return corners
+def warm_up_target(parameters: TargetParameters) -> None:
+    """Run trackers of its own on a few frames, in colour and in grey.
+
+    The first time on a machine takes some seconds or more; later the machine code is on disk.
+    """
+    few = parameters.replaced({"particle_count": min(parameters.particle_count, WARM_UP_PARTICLES)})
+    picture = np.full((WARM_UP_HEIGHT, WARM_UP_WIDTH, 3), WARM_UP_WATER, np.uint8)
+    picture[90:150, 120:200] = WARM_UP_TARGET
+    for frame in (picture, np.ascontiguousarray(picture[..., 2])):
+        # Frames of messages cannot be written to, and are compiled for as another type.
+        frame.setflags(write=False)
+        tracker = TargetTracker(few)
+        tracker.process(frame, stamp=WARM_UP_STEP)
+        tracker.initialise(TargetStart.from_box(120, 90, 200, 150))
+        for number in range(2, WARM_UP_FRAMES + 2):
+            tracker.process(frame, stamp=number * WARM_UP_STEP)

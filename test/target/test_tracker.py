@@ -11,7 +11,7 @@ from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.tracker import TargetTracker, corners_of
+from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.image_frame import bounding_box
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -472,7 +472,7 @@ def test_the_contour_is_that_of_the_largest_area_and_not_of_the_most_corners():
     mask = np.zeros((60, 80), bool)
     mask[5:45, 10:50] = True
     mask[50:56, 60:72:2] = mask[52, 60:72] = True
-    corners = corners_of(Outline(mask, (100, 20, 180, 80), 1.0), zoom=2.0)
+    corners = Outline(mask, (100, 20, 180, 80), 1.0).corners(zoom=2.0)
     assert corners.min(axis=0) == pytest.approx([2 * 110.5, 2 * 25.5])
     assert corners.max(axis=0) == pytest.approx([2 * 149.5, 2 * 64.5])
 

@@ -40,7 +40,7 @@ from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import StartText, TargetStart, parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import target_preset
-from cable_tracker.target.warming import warm_up_target
+from cable_tracker.target.tracker import warm_up_target
 from cable_tracker.tracking.parameter_table import parameter_table
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.target_overlay import draw_target

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,6 +58,20 @@ class Outline:
         left, top = self.window[:2]
         return float(left + box[0]), float(top + box[1]), float(left + box[2]), float(top + box[3])
 
+    def corners(self, zoom: float) -> FloatArray:
+        """Return the corners of the largest outer contour, from the frame's top left, shape (K, 2).
+
+        `zoom` pixels of the frame are one of the working image.
+        """
+        contours, _ = cv2.findContours(
+            self.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
+        )
+        if not contours:
+            return np.empty((0, 2))
+        largest = max(contours, key=cv2.contourArea)[:, 0].astype(np.float64)
+        corners: FloatArray = (largest + self.window[:2] + 0.5) * zoom
+        return corners
+
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the mask in a picture of this shape."""
         whole = np.zeros(shape, np.bool_)
@@ -82,17 +97,12 @@ def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) 
     return left, top, right, bottom
 
 
-def contour_settings(parameters: TargetParameters) -> ContourSettings:
-    """Return the settings of contour evolution."""
-    return ContourSettings(parameters.contour_regulariser, -1.0, parameters.contour_iterations)
-
-
 def find_outline(
     ratios: NDArray[np.float32],
     state: FloatArray,
     template: Template,
     softness: float,
-    settings: ContourSettings,
+    parameters: TargetParameters,
 ) -> Outline | None:
     """Let the template's outline at a pose evolve on the map of log-ratios.
 
@@ -104,6 +114,8 @@ def find_outline(
         Pose, shape (6,).
     softness : float
         Distance from its outline at which the prior's odds are e : 1, in units of the template.
+    parameters : TargetParameters
+        Regulariser and iterations of the contour.
 
     Returns
     -------
@@ -131,6 +143,7 @@ def find_outline(
     if count < FEWEST or expected.size - count < FEWEST:
         return None
     prior = log_odds(distances, softness, PRIOR_LIMIT)
+    settings = ContourSettings(parameters.contour_regulariser, -1.0, parameters.contour_iterations)
     mask = evolve(ratios[top:bottom, left:right] + prior, expected, settings, by_means=False).mask
     overlap = float((mask & expected).sum() / max(int((mask | expected).sum()), 1))
     return Outline(mask, window, overlap)

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled, compiled_inside
-from cable_tracker.target.measure.appearance import Appearance
-from cable_tracker.target.measure.features import BinMap, bins_of, looked_up
+from cable_tracker.target.measure.appearance import Appearance, BinMap, bins_of, looked_up
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.state import ANGLE, LOG_SCALE, X, Y
 from cable_tracker.target.model.template import Template

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
-from cable_tracker.target.measure.features import channels_of
 from cable_tracker.tracking.succession import check_levels
 
 LEAST_ROWS = 3
@@ -23,6 +22,10 @@ COLOURED_SHARE = 0.01
 """Minimum share of coloured pixels in a picture that counts as coloured."""
 
 
+TEXTURE_WINDOW = 5
+"""Side of the square over which gradients are averaged [px]."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WorkingFrame:
     """A frame ready to be measured.
@@ -32,7 +35,7 @@ class WorkingFrame:
     picture : Image
         The frame, reduced; grey (H, W) or blue-green-red (H, W, 3).
     channels : array
-        uint8, shape (H, W, 3); see `features.channels_of`.
+        uint8, shape (H, W, 3); see `channels_of`.
     is_coloured : bool
         Whether `channels` hold luma and chroma (else grey and texture); at first, whether there is
         enough colour.
@@ -129,3 +132,20 @@ def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
     least, most = int(channels[..., 1:].min()), int(channels[..., 1:].max())
     has_chroma = max(most - 128, 128 - least) > COLOURLESS
     return WorkingFrame(small, channels_of(_in_grey(small)), False, has_chroma, zoom)
+
+
+def channels_of(image: Image) -> NDArray[np.uint8]:
+    """Return three channels of a picture, uint8, shape (H, W, 3).
+
+    Of a coloured one (H, W, 3), blue-green-red: luma and two chromas; of a grey one (H, W): grey,
+    texture, and nothing.
+    """
+    smooth = cv2.blur(image, (3, 3))
+    if image.ndim == 3:
+        return np.asarray(cv2.cvtColor(smooth, cv2.COLOR_BGR2YCrCb), dtype=np.uint8)
+    across, down = cv2.spatialGradient(smooth)
+    gradient = cv2.add(cv2.convertScaleAbs(across), cv2.convertScaleAbs(down))
+    texture = cv2.blur(gradient, (TEXTURE_WINDOW, TEXTURE_WINDOW))
+    # The root spreads the many small gradients over more bins than the few large ones.
+    rooted = cv2.LUT(texture, np.round(np.sqrt(np.arange(256) * 255.0)).astype(np.uint8))
+    return np.asarray(cv2.merge((smooth, rooted, np.zeros_like(smooth))), dtype=np.uint8)

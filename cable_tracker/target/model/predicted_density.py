@@ -3,25 +3,132 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence
-from cable_tracker.particle_filter.particles import systematic_resampling
 from cable_tracker.particle_filter.student_t import (
     KernelMixture,
+    log_peak_density,
     relative_density,
+    relative_log_density,
     standard_student_t,
 )
-from cable_tracker.target.model.births import Births
-from cable_tracker.target.model.state import POSE_SIZE
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.state import ANGLE, LOG_SCALE, POSE_SIZE, X, Y
 
 NEVER = 1e-300
 """Stands for a probability of zero where its logarithm is needed."""
+
+
+BIRTH_TAIL = 4.0
+"""Degrees of freedom about the last place."""
+
+FIRST_SPREAD, SPREADING, WIDEST = 0.1, 0.35, 0.5
+"""Scale of the position about the last one: at first, growth per second, and at most [widths]."""
+
+SCALE_SPREAD, SCALE_SPREADING, WIDEST_SCALE = 0.25, 0.15, 0.6
+"""The same of the log scale."""
+
+ANGLE_SPREAD, ANGLE_SPREADING, WIDEST_ANGLE = 0.15, 0.3, 0.8
+"""The same of the angle [rad]."""
+
+TURN = 2.0 * math.pi
+
+PEAKS = log_peak_density(BIRTH_TAIL, POSE_SIZE), log_peak_density(BIRTH_TAIL, 2)
+"""Log-density at the middle for a unit scale: of the whole place, and of scale and angle."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Births:
+    """Density of the poses of a target that appears.
+
+    Attributes
+    ----------
+    last : FloatArray
+        Pose when it was last in view, shape (6,).
+    seconds : float
+        Time since then [s].
+    shape : (int, int)
+        Rows and columns of the picture.
+    """
+
+    last: FloatArray
+    seconds: float
+    shape: tuple[int, int]
+
+    def aged(self, dt: float) -> Births:
+        """Return the density `dt` seconds later."""
+        return replace(self, seconds=self.seconds + dt)
+
+    def moved(self, motion: CameraMotion, zoom: float) -> Births:
+        """Return the density after a motion of the camera; `zoom` frame pixels are one of a pose.
+
+        A last place that would leave the picture stays: outside it is no use for the search, and if
+        the motion is wrong, the target is still there.
+        """
+        last = motion.moved(self.last[None], zoom)[0]
+        height, width = self.shape
+        is_out = abs(last[X]) > width / 2 or abs(last[Y]) > height / 2
+        return self if is_out else replace(self, last=last)
+
+    def _spreads(self) -> tuple[float, float, float]:
+        width = self.shape[1]
+        return (
+            width * min(FIRST_SPREAD + SPREADING * self.seconds, WIDEST),
+            min(SCALE_SPREAD + SCALE_SPREADING * self.seconds, WIDEST_SCALE),
+            min(ANGLE_SPREAD + ANGLE_SPREADING * self.seconds, WIDEST_ANGLE),
+        )
+
+    def draw(self, count: int, memory_share: float, rng: np.random.Generator) -> FloatArray:
+        """Draw poses, shape (count, 4), `memory_share` of them about the last place."""
+        place, scale, angle = self._spreads()
+        noise = standard_student_t(rng, count, POSE_SIZE, BIRTH_TAIL)
+        poses: FloatArray = self.last[:POSE_SIZE] + noise * [place, place, scale, angle]
+        anywhere = rng.random(count) >= memory_share
+        height, width = self.shape
+        uniform = (rng.random((count, 2)) - 0.5) * [width, height]
+        poses[anywhere, :2] = uniform[anywhere]
+        return poses
+
+    def log_density(self, states: FloatArray, memory_share: float) -> FloatArray:
+        """Return the log-density of the places of poses (N, 6), shape (N,); see `draw`."""
+        spreads = np.array(self._spreads())
+        return _log_densities(states, self.last, spreads, memory_share, self.shape)
+
+
+@compiled
+def _log_densities(
+    states: FloatArray,
+    last: FloatArray,
+    spreads: FloatArray,
+    memory_share: float,
+    shape: tuple[int, int],
+) -> FloatArray:
+    place, scale, angle = spreads[0], spreads[1], spreads[2]
+    (peak, size_peak), (height, width) = PEAKS, shape
+    near_peak = peak - math.log(place * place * scale * angle) + math.log(memory_share)
+    far_peak = size_peak - math.log(scale * angle * width * height) + math.log1p(-memory_share)
+    densities = np.empty(len(states))
+    for row in range(len(states)):
+        across = (states[row, X] - last[X]) / place
+        up = (states[row, Y] - last[Y]) / place
+        stretch = (states[row, LOG_SCALE] - last[LOG_SCALE]) / scale
+        turned = states[row, ANGLE] - last[ANGLE]
+        # Angles of poses and of the last place may be whole turns apart.
+        turn = (turned - TURN * math.floor(turned / TURN + 0.5)) / angle
+        by_size = stretch * stretch + turn * turn
+        squared = across * across + up * up + by_size
+        near = near_peak + relative_log_density(squared, BIRTH_TAIL, POSE_SIZE)
+        if abs(states[row, X]) <= width / 2 and abs(states[row, Y]) <= height / 2:
+            far = far_peak + relative_log_density(by_size, BIRTH_TAIL, 2)
+            most, least = max(near, far), min(near, far)
+            near = most + math.log1p(math.exp(least - most))
+        densities[row] = near
+    return densities
 
 
 @compiled
@@ -50,24 +157,6 @@ def relative_kernels(
     return values
 
 
-@compiled
-def choose_columns(values: FloatArray, shares: FloatArray) -> NDArray[np.int64]:
-    """Draw a column of each row (N, M) by its values, from uniform numbers (N,), shape (N,)."""
-    chosen = np.empty(len(values), np.int64)
-    for row in range(len(values)):
-        total = 0.0
-        for column in range(values.shape[1]):
-            total += values[row, column]
-        rest = shares[row] * total
-        chosen[row] = values.shape[1] - 1
-        for column in range(values.shape[1]):
-            rest -= values[row, column]
-            if rest < 0.0:
-                chosen[row] = column
-                break
-    return chosen
-
-
 def log_mix(values: FloatArray, weights: FloatArray, mixture: KernelMixture) -> FloatArray:
     """Return the log-density of kernels (N, M) of a mixture, by weights (M,), shape (N,)."""
     with np.errstate(divide="ignore"):
@@ -79,39 +168,6 @@ def kernels_of(states: FloatArray, mixture: KernelMixture) -> FloatArray:
     """Return the kernels of a mixture at poses (N, 4 or more), over their peak, shape (N, M)."""
     tail = float(mixture.degrees_of_freedom)
     return relative_kernels(states, mixture.places, mixture.scales, tail)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Proposal:
-    """One part of the mixture that particles are drawn from.
-
-    Attributes
-    ----------
-    kernels : KernelMixture
-        Kernels over poses.
-    weights : FloatArray
-        Weights of the kernels, summing to one.
-    share : float
-        Share of the particles that come from this part.
-    """
-
-    kernels: KernelMixture
-    weights: FloatArray
-    share: float
-
-    def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
-        """Draw poses, shape (count, 4)."""
-        if count == 0:
-            return np.empty((0, POSE_SIZE))
-        chosen = systematic_resampling(self.weights, count, rng)
-        noise = standard_student_t(rng, count, POSE_SIZE, self.kernels.degrees_of_freedom)
-        poses: FloatArray = self.kernels.places[chosen] + noise * self.kernels.scales
-        return poses
-
-    def log_density(self, poses: FloatArray) -> FloatArray:
-        """Return the log of its share of the whole mixture's density at poses (N, 4)."""
-        kernels = kernels_of(poses, self.kernels)
-        return math.log(self.share) + log_mix(kernels, self.weights, self.kernels)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,15 +199,6 @@ class PredictedDensity:
     memory_share: float
     existence: PredictedExistence
     jump_share: float
-
-    @property
-    def even(self) -> FloatArray:
-        """Equal weights of the ancestors, shape (M,)."""
-        return np.full(len(self.alive), 1.0 / len(self.alive))
-
-    def draw_births(self, count: int, rng: np.random.Generator) -> FloatArray:
-        """Draw poses of a target that appears, shape (count, 4)."""
-        return self.births.draw(count, self.memory_share, rng)[:, :POSE_SIZE]
 
     def log_density(self, states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return log-densities at poses (N, 6).

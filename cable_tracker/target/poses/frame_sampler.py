@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray
-from cable_tracker.particle_filter.student_t import kernel_mixture
-from cable_tracker.target.measure.region import MeasuredFrame
-from cable_tracker.target.model.predicted_density import (
-    PredictedDensity,
-    Proposal,
-    choose_columns,
-    log_mix,
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.compilation import compiled
+from cable_tracker.particle_filter.particles import systematic_resampling
+from cable_tracker.particle_filter.student_t import (
+    KernelMixture,
+    kernel_mixture,
+    standard_student_t,
 )
-from cable_tracker.target.model.state import ANGLE, POSE_SIZE, at_rest, wrap_full_turn
+from cable_tracker.target.measure.region import MeasuredFrame
+from cable_tracker.target.model.predicted_density import PredictedDensity, kernels_of, log_mix
+from cable_tracker.target.model.state import (
+    ANGLE,
+    POSE_SIZE,
+    at_rest,
+    distances_from,
+    wrap_full_turn,
+)
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.map_peaks import PeakPoses
-from cable_tracker.target.poses.pose_belief import PoseBelief
-from cable_tracker.target.poses.rivals import RIVAL_SCORE, ExpectedPlace
+from cable_tracker.target.poses.pose_belief import RIVAL_SCORE, PoseBelief
 from cable_tracker.tracking.rates import share_over_time
 
 PEAK_SPREAD = (0.25, 0.15, 0.12)
@@ -36,8 +43,94 @@ REFINED = 5
 DRAWN_TAIL = 4.0
 """Degrees of freedom of the kernels about peaks and best particles."""
 
+ELSEWHERE_MARGIN = 0.3
+"""Gap of scores elsewhere below the best one here, while the target is observed here."""
+
 OWN_REACH = 0.8
 """Largest distance of the target's own place from the expected one, in roots of the area."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """One part of the mixture that particles are drawn from.
+
+    Attributes
+    ----------
+    kernels : KernelMixture
+        Kernels over poses.
+    weights : FloatArray
+        Weights of the kernels, summing to one.
+    share : float
+        Share of the particles that come from this part.
+    """
+
+    kernels: KernelMixture
+    weights: FloatArray
+    share: float
+
+    def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
+        """Draw poses, shape (count, 4)."""
+        if count == 0:
+            return np.empty((0, POSE_SIZE))
+        chosen = systematic_resampling(self.weights, count, rng)
+        noise = standard_student_t(rng, count, POSE_SIZE, self.kernels.degrees_of_freedom)
+        poses: FloatArray = self.kernels.places[chosen] + noise * self.kernels.scales
+        return poses
+
+    def log_density(self, poses: FloatArray) -> FloatArray:
+        """Return the log of its share of the whole mixture's density at poses (N, 4)."""
+        kernels = kernels_of(poses, self.kernels)
+        return math.log(self.share) + log_mix(kernels, self.weights, self.kernels)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExpectedPlace:
+    """The expected place of the target.
+
+    Attributes
+    ----------
+    x, y : float
+        From the image centre, y up [px].
+    reach : float
+        Distance from the expected place beyond which a pose is elsewhere [px].
+    score_penalty : float
+        Reduction of the scores of poses elsewhere; 0 unless the target is observed here.
+    """
+
+    x: float
+    y: float
+    reach: float
+    score_penalty: float = 0.0
+
+    def is_elsewhere(self, states: FloatArray) -> BoolArray:
+        """Return which poses (N, 6) are beyond the reach of this place, shape (N,)."""
+        elsewhere: BoolArray = distances_from(self.x, self.y, states) > self.reach
+        return elsewhere
+
+    def with_penalty(self, states: FloatArray, scores: FloatArray, least: float) -> ExpectedPlace:
+        """Return the place with the penalty that the scores of a frame call for.
+
+        Parameters
+        ----------
+        states : FloatArray
+            Poses in the frame, shape (N, 6).
+        scores : FloatArray
+            Scores of their regions, shape (N,).
+        least : float
+            Score from which on the target counts as observed here.
+        """
+        elsewhere = self.is_elsewhere(states)
+        here = float(scores[~elsewhere].max(initial=-np.inf))
+        if here < least:
+            return self
+        best = float(scores[elsewhere].max(initial=here))
+        return replace(self, score_penalty=max(best - here, 0.0) + ELSEWHERE_MARGIN)
+
+    def own_scores(self, states: FloatArray, scores: FloatArray) -> FloatArray:
+        """Return the scores (N,) of poses (N, 6), less the penalty elsewhere, shape (N,)."""
+        if self.score_penalty == 0.0:
+            return scores
+        return scores - self.score_penalty * self.is_elsewhere(states)
 
 
 class ProposalCounts(NamedTuple):
@@ -146,16 +239,17 @@ class FrameSampler:
     def draw(self, peaks: PeakPoses, rng: np.random.Generator) -> DrawnParticles:
         """Draw the particles, with the densities of belief and proposal at each."""
         counts = proposal_counts(self.parameters, has_peaks=len(peaks.poses) > 0)
-        followed = Proposal(
-            self.prediction.kernels, self.prediction.even, self._share(counts.followed)
-        )
+        prediction = self.prediction
+        ancestors = len(prediction.alive)
+        even = np.full(ancestors, 1.0 / ancestors)
+        followed = Proposal(prediction.kernels, even, self._share(counts.followed))
         others = []
         parts = [followed.draw(counts.followed, rng)]
         if counts.peaks:
             weights = peaks.strengths / peaks.strengths.sum()
             others.append(self._about(peaks.poses, weights, PEAK_SPREAD, counts.peaks))
             parts.append(others[-1].draw(counts.peaks, rng))
-        parts.append(self.prediction.draw_births(counts.search, rng))
+        parts.append(prediction.births.draw(counts.search, prediction.memory_share, rng))
         scored = self._scored(np.concatenate(parts))
         own = self._expected_place(scored)
         if counts.refined:
@@ -245,3 +339,21 @@ class FrameSampler:
         states[:, POSE_SIZE:] = (
             self.prediction.rates[parents] + gain[:, None] * unforeseen / self.dt
         )
+
+
+@compiled
+def choose_columns(values: FloatArray, shares: FloatArray) -> NDArray[np.int64]:
+    """Draw a column of each row (N, M) by its values, from uniform numbers (N,), shape (N,)."""
+    chosen = np.empty(len(values), np.int64)
+    for row in range(len(values)):
+        total = 0.0
+        for column in range(values.shape[1]):
+            total += values[row, column]
+        rest = shares[row] * total
+        chosen[row] = values.shape[1] - 1
+        for column in range(values.shape[1]):
+            rest -= values[row, column]
+            if rest < 0.0:
+                chosen[row] = column
+                break
+    return chosen

@@ -8,27 +8,69 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.errors import FrameError
 from cable_tracker.target.measure.appearance import (
     Appearance,
+    BinMap,
+    Bins,
+    bins_of,
+    choose_bins,
     learn_appearance,
     learn_histograms,
+    looked_up,
 )
-from cable_tracker.target.measure.clutter import UsualScore
-from cable_tracker.target.measure.features import bins_of, choose_bins
-from cable_tracker.target.measure.first_look import FirstLook
-from cable_tracker.target.measure.outline import Outline, contour_settings, find_outline
-from cable_tracker.target.measure.region import MeasuredFrame, measure_frame
+from cable_tracker.target.measure.outline import Outline, find_outline
+from cable_tracker.target.measure.region import HueModel, MeasuredFrame, measure_frame, score_poses
 from cable_tracker.target.measure.working_frame import WorkingFrame
-from cable_tracker.target.model.births import Births
-from cable_tracker.target.model.state import LOG_SCALE
-from cable_tracker.target.model.template import Template, centroid, distances_about, make_template
+from cable_tracker.target.model.predicted_density import Births
+from cable_tracker.target.model.state import LOG_SCALE, STATE_SIZE
+from cable_tracker.target.model.template import (
+    LEAST_AREA,
+    Template,
+    centroid,
+    check_area,
+    distances_about,
+    make_template,
+    template_of_mask,
+)
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.image_frame import bounding_box
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 from cable_tracker.tracking.rates import share_over_time
 
+
+@dataclass(frozen=True, slots=True)
+class UsualScore:
+    """The scores of the target while it was in view.
+
+    Attributes
+    ----------
+    mean, variance : float
+        Exponential moving mean and variance of the score.
+    """
+
+    mean: float
+    variance: float
+
+    def updated(self, score: float, rate: float) -> UsualScore:
+        """Return the statistics after one more score; `rate` is its weight."""
+        gap = score - self.mean
+        variance = (1.0 - rate) * (self.variance + rate * gap * gap)
+        return replace(self, mean=self.mean + rate * gap, variance=variance)
+
+
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
 """Prior of the likeness of a target's contour to the target: in colour, and in grey."""
+
+ROUNDS = 3
+"""Iterations of outline and appearance in turn."""
+
+BOX_SOFTNESS = 0.15
+"""Softness of the ellipse in a box as a prior of shape, in roots of its area."""
+
+BOX_ERROR = 0.15
+"""Largest distance of a target's outline beyond the box that marks it, in sides of the box."""
 
 SIZE_TAIL = 4.0
 """Degrees of freedom of the log scale about its running mean."""
@@ -149,23 +191,100 @@ def outline_at(
         Log-ratios of the frame's pixels, float32, shape (H, W).
     """
     softness = parameters.prior_softness if frame.is_coloured else parameters.grey_prior_softness
-    settings = contour_settings(parameters)
-    return find_outline(ratios, state, known.template, softness, settings)
+    return find_outline(ratios, state, known.template, softness, parameters)
 
 
-def first_known(
-    first: FirstLook, measured: MeasuredFrame, parameters: TargetParameters
-) -> KnownTarget:
-    """Return a target as known after the frame in which it was marked."""
-    frame = measured.frame
-    return KnownTarget(
-        first.template,
-        first.appearance,
-        _first_usual_score(first.state, measured, first.template, parameters),
+def learn_target(
+    frame: WorkingFrame, mask: BoolArray, parameters: TargetParameters, *, is_exact: bool
+) -> tuple[KnownTarget, MeasuredFrame]:
+    """Learn a target from the frame in which it was marked; return it with the measured frame.
+
+    Its births are about the pose in that frame.
+
+    Parameters
+    ----------
+    mask : BoolArray
+        Marked pixels, shape (H, W).
+    is_exact : bool
+        Whether the mask is the target's own; else it is that of a box, and is refined.
+
+    Raises
+    ------
+    FrameError
+        The mask is too small, or does not stand out from its surroundings.
+    """
+    check_area(mask, frame.zoom)
+    bins = choose_bins(frame.channels, frame.is_coloured)
+    bin_map = bins_of(frame.channels, bins.lookups)
+    if not is_exact:
+        mask = _refined(mask, frame, bin_map, bins, parameters)
+    appearance = learn_appearance(bin_map, mask, bins)
+    template = template_of_mask(mask, parameters.template_points, frame.zoom)
+    state = _pose_of(mask)
+    ratios = looked_up(bin_map, appearance.log_ratios(parameters.ratio_limit))
+    plain = HueModel(bin_map, appearance.hue_roots(), 0.0)
+    separation = score_poses(
+        ratios, state[None], template.inside, template.around, template.size, plain
+    )[0]
+    if separation < parameters.least_separation:
+        raise FrameError(
+            "the marked target does not stand out from its surroundings"
+            f" (score {separation:.2f}, needs {parameters.least_separation:.2f});"
+            " mark it where it does"
+        )
+    measured = measure_frame(frame, appearance, parameters)
+    known = KnownTarget(
+        template,
+        appearance,
+        _first_usual_score(state, measured, template, parameters),
         first_likeness(frame),
         0.0,
-        Births(first.state, 0.0, frame.shape),
+        Births(state, 0.0, frame.shape),
     )
+    return known, measured
+
+
+def _pose_of(mask: BoolArray) -> FloatArray:
+    """Return the pose of a marked mask (H, W): upright, of scale 1, at rest, shape (6,)."""
+    state = np.zeros(STATE_SIZE)
+    state[:2] = centroid(mask)
+    return state
+
+
+def _refined(
+    mask: BoolArray,
+    frame: WorkingFrame,
+    bin_map: BinMap,
+    bins: Bins,
+    parameters: TargetParameters,
+) -> BoolArray:
+    """Return the target's own pixels in the mask of a box: outline and appearance in turn."""
+    marked = template_of_mask(mask, parameters.template_points, frame.zoom)
+    state = _pose_of(mask)
+    allowed = _widened(mask)
+    for _ in range(ROUNDS):
+        appearance = learn_appearance(bin_map, mask, bins)
+        ratios = looked_up(bin_map, appearance.log_ratios(parameters.ratio_limit))
+        outline = find_outline(ratios, state, marked, BOX_SOFTNESS, parameters)
+        if outline is None:
+            break
+        found = outline.in_picture(frame.shape) & allowed
+        if found.sum() < max(LEAST_AREA, 0.15 * mask.sum()):
+            break
+        mask = found
+    return mask
+
+
+def _widened(mask: BoolArray) -> BoolArray:
+    """Return the box around a mask that is not empty, with a margin of `BOX_ERROR`, as a mask."""
+    box = bounding_box(mask)
+    assert box is not None
+    left, top, right, bottom = box
+    across = int(BOX_ERROR * (right - left)) + 1
+    down = int(BOX_ERROR * (bottom - top)) + 1
+    widened = np.zeros_like(mask)
+    widened[max(top - down, 0) : bottom + down, max(left - across, 0) : right + across] = True
+    return widened
 
 
 def relearnt(

@@ -12,8 +12,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.target.measure.region import MeasuredFrame
 from cable_tracker.target.model.state import LOG_SCALE, POSE_SIZE, X, Y, at_rest, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.poses.pose_belief import PoseBelief
-from cable_tracker.target.poses.rivals import RIVAL_SCORE, RivalWatch, are_beside
+from cable_tracker.target.poses.pose_belief import RIVAL_SCORE, PoseBelief, RivalWatch, are_beside
 
 COARSENESS = 4
 """Pixels of the working image a pixel of the coarse map."""

@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import (
     Particles,
     effective_sample_size,
@@ -22,7 +21,6 @@ from cable_tracker.particle_filter.particles import (
     weighted_mean,
 )
 from cable_tracker.target.filter_interface import TargetSummary
-from cable_tracker.target.measure.first_look import learn_target
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.region import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.working_frame import WorkingFrame
@@ -33,17 +31,16 @@ from cable_tracker.target.poses.frame_sampler import FrameSampler
 from cable_tracker.target.poses.known_target import (
     adapted_to_contour,
     contour_histograms,
-    first_known,
+    learn_target,
     outline_at,
 )
 from cable_tracker.target.poses.map_peaks import propose_from_map, watch_rivals
-from cable_tracker.target.poses.pose_belief import PoseBelief, predict_density
+from cable_tracker.target.poses.pose_belief import PoseBelief, RivalWatch, predict_density
 from cable_tracker.target.poses.presence import (
     MOST_PRESENCE,
     presence_by_likeness,
     presence_by_scores,
 )
-from cable_tracker.target.poses.rivals import RivalWatch
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 
 FIRST_SPREAD, FIRST_TURN = 0.05, 0.02
@@ -95,23 +92,17 @@ class PoseFilter:
             The mask is too small, or does not stand out from its surroundings.
         """
         parameters = self._parameters
-        learnt = learn_target(frame, mask, parameters, is_exact=is_exact)
-        if learnt.score < parameters.least_separation:
-            raise FrameError(
-                "the marked target does not stand out from its surroundings"
-                f" (score {learnt.score:.2f}, needs {parameters.least_separation:.2f});"
-                " mark it where it does"
-            )
-        spread = FIRST_SPREAD * learnt.template.size
+        known, measured = learn_target(frame, mask, parameters, is_exact=is_exact)
+        state = known.births.last
+        spread = FIRST_SPREAD * known.template.size
         rate = FIRST_RATE_PER_SPREAD * spread
         scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
         noise = self._rng.standard_normal((parameters.particle_count, STATE_SIZE))
-        measured = measure_frame(frame, learnt.appearance, parameters)
         belief = PoseBelief(
-            particles=Particles.equally_weighted(learnt.state + noise * scales),
-            estimate=learnt.state,
+            particles=Particles.equally_weighted(state + noise * scales),
+            estimate=state,
             presence=MOST_PRESENCE,
-            known=first_known(learnt, measured, parameters),
+            known=known,
             rivals=RivalWatch(),
         )
         weights = np.full(parameters.particle_count, 1.0 / parameters.particle_count)

@@ -33,8 +33,7 @@ from cable_tracker.target.model.state import LOG_SCALE, STATE_SIZE, UNKNOWN_COVA
 from cable_tracker.target.model.template import LEAST_AREA, centroid, check_area
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
-from cable_tracker.target.thesis.horizon import horizon_weights
-from cable_tracker.target.thesis.weights import blob_weights
+from cable_tracker.target.thesis.weights import blob_weights, horizon_weights
 from cable_tracker.tracking.image_frame import image_centre, to_pixel
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 

@@ -1,8 +1,13 @@
 import numpy as np
 import pytest
 
-from cable_tracker.target.measure.appearance import learn_appearance
-from cable_tracker.target.measure.features import bins_of, channels_of, choose_bins, looked_up
+from cable_tracker.target.measure.appearance import (
+    bins_of,
+    choose_bins,
+    learn_appearance,
+    looked_up,
+)
+from cable_tracker.target.measure.working_frame import channels_of
 
 
 def learnt(image, mask, is_coloured=True):

@@ -1,17 +1,17 @@
 import numpy as np
 import pytest
 
-from cable_tracker.contour.evolution import ContourSettings
 from cable_tracker.target.measure.outline import find_outline
 from cable_tracker.target.model.template import template_of_mask
+from cable_tracker.target.parameters.parameters import TargetParameters
 
-SETTINGS = ContourSettings(0.3, -1.0, 12)
+PARAMETERS = TargetParameters(contour_regulariser=0.3, contour_iterations=12)
 
 
 def outline_of(mask, pose, softness=0.1):
     ratios = np.where(mask, 2.0, -2.0).astype(np.float32)
     template = template_of_mask(mask, 60, 1.0)
-    return find_outline(ratios, np.array([*pose, 0.0, 0.0]), template, softness, SETTINGS)
+    return find_outline(ratios, np.array([*pose, 0.0, 0.0]), template, softness, PARAMETERS)
 
 
 def test_the_outline_is_that_of_the_target_though_the_pose_is_not_quite(draw):

@@ -6,19 +6,18 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.target.measure.clutter import UsualScore
-from cable_tracker.target.measure.first_look import learn_target
-from cable_tracker.target.measure.outline import contour_settings, find_outline
+from cable_tracker.target.measure.outline import find_outline
 from cable_tracker.target.measure.region import measure_frame
 from cable_tracker.target.measure.working_frame import make_working_frame
-from cable_tracker.target.model.births import Births
+from cable_tracker.target.model.predicted_density import Births
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import (
     FIRST_GREY_LIKENESS,
     KnownTarget,
+    UsualScore,
     adapted_to_contour,
     contour_histograms,
-    first_known,
+    learn_target,
     relearnt,
 )
 
@@ -62,9 +61,8 @@ PARAMETERS = TargetParameters()
 
 def learnt(image, mask):
     frame = make_working_frame(image, 320)
-    look = learn_target(frame, mask, PARAMETERS, is_exact=True)
-    measured = measure_frame(frame, look.appearance, PARAMETERS)
-    return first_known(look, measured, PARAMETERS), look.state
+    known, _ = learn_target(frame, mask, PARAMETERS, is_exact=True)
+    return known, known.births.last
 
 
 def test_what_a_target_shows_in_grey_is_learnt_where_it_is(draw):
@@ -91,8 +89,7 @@ def test_what_is_learnt_in_a_time_does_not_depend_on_the_frames_in_it(draw):
     image, mask = draw()
     known, state = learnt(image, mask)
     measured = measure_frame(make_working_frame(draw(seed=1)[0], 320), known.appearance, PARAMETERS)
-    settings = contour_settings(PARAMETERS)
-    outline = find_outline(measured.ratios, state, known.template, 0.1, settings)
+    outline = find_outline(measured.ratios, state, known.template, 0.1, PARAMETERS)
     shown = contour_histograms(outline, measured, known, PARAMETERS)
 
     def after(frames, dt):
@@ -117,9 +114,7 @@ def test_after_a_pause_one_frame_does_not_outweigh_all_before(draw):
     image, mask = draw()
     known, state = learnt(image, mask)
     measured = measure_frame(make_working_frame(draw(seed=1)[0], 320), known.appearance, PARAMETERS)
-    outline = find_outline(
-        measured.ratios, state, known.template, 0.1, contour_settings(PARAMETERS)
-    )
+    outline = find_outline(measured.ratios, state, known.template, 0.1, PARAMETERS)
     shown = contour_histograms(outline, measured, known, PARAMETERS)
     other = replace(shown, target=np.roll(shown.target, 3))
     paused = adapted_to_contour(
@@ -127,3 +122,17 @@ def test_after_a_pause_one_frame_does_not_outweigh_all_before(draw):
     )
     kept = np.abs(paused.appearance.target - other.target).sum()
     assert kept > 0.5 * np.abs(known.appearance.target - other.target).sum()
+
+
+def test_what_goes_on_beyond_the_marked_box_is_not_taken_for_the_target():
+    # A dark bar across the picture, of which only a part is marked.
+    noise = np.random.default_rng(1).normal(0.0, 3.0, (240, 320))
+    picture = np.full((240, 320), 120.0)
+    picture[100:140] = 60.0
+    frame = make_working_frame(np.clip(picture + noise, 0, 255).astype(np.uint8), 320)
+    marked = np.zeros((240, 320), np.bool_)
+    marked[100:140, 140:180] = True
+    known, _ = learn_target(frame, marked, TargetParameters(), is_exact=False)
+    half_width, half_height = (each * known.template.size for each in known.template.extent(0.0))
+    assert half_width < 20.0 * 1.3 + 2.0
+    assert 17.0 < half_height < 23.0

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from cable_tracker.target.poses.map_peaks import NO_PEAKS, find_peaks, watch_rivals
-from cable_tracker.target.poses.rivals import RivalWatch
+from cable_tracker.target.poses.pose_belief import RivalWatch
 
 
 def test_peaks_are_where_the_target_is_and_of_its_size(draw):

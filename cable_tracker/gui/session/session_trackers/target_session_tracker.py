@@ -23,8 +23,7 @@ from cable_tracker.sequences.labels.target_labels import BoxTruth
 from cable_tracker.target.model.start import StartText, TargetStart, parse_start_text
 from cable_tracker.target.model.state import LOG_SCALE
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.target.warming import warm_up_target
+from cable_tracker.target.tracker import TargetTracker, warm_up_target
 from cable_tracker.tracking.parameter_table import ParameterSet
 
 

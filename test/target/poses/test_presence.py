@@ -1,11 +1,8 @@
 import numpy as np
 import pytest
 
-from cable_tracker.target.measure.clutter import (
-    UsualScore,
-    clutter_of,
-    log_ratio_of_likeness,
-)
+from cable_tracker.target.poses.known_target import UsualScore
+from cable_tracker.target.poses.presence import clutter_of, log_ratio_of_likeness
 
 USUAL = UsualScore(4.0, 0.2)
 
