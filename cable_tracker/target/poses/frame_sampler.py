@@ -242,7 +242,9 @@ class FrameSampler:
         prediction = self.prediction
         ancestors = len(prediction.alive)
         even = np.full(ancestors, 1.0 / ancestors)
-        followed = Proposal(prediction.kernels, even, self._share(counts.followed))
+        followed = Proposal(
+            prediction.kernels, even, counts.followed / self.parameters.particle_count
+        )
         others = []
         parts = [followed.draw(counts.followed, rng)]
         if counts.peaks:
@@ -263,9 +265,6 @@ class FrameSampler:
         own_scores = own.own_scores(scored.states, scored.scores)
         return DrawnParticles(scored, log_proposal, own_scores)
 
-    def _share(self, count: int) -> float:
-        return count / self.parameters.particle_count
-
     def _about(
         self,
         poses: FloatArray,
@@ -277,7 +276,7 @@ class FrameSampler:
         size = self.belief.size
         scales = np.array([spread[0] * size, spread[0] * size, spread[1], spread[2]])
         kernels = kernel_mixture(poses, scales, DRAWN_TAIL, weights)
-        return Proposal(kernels, weights, self._share(count))
+        return Proposal(kernels, weights, count / self.parameters.particle_count)
 
     def _scored(self, poses: FloatArray) -> ScoredPoses:
         """Return poses (N, 4) at rest, with the densities of the belief and their scores."""
@@ -320,7 +319,9 @@ class FrameSampler:
         parts = [following + math.log(followed.share)]
         parts += [part.log_density(scored.states[:, :POSE_SIZE]) for part in others]
         if counts.search:
-            parts.append(math.log(self._share(counts.search)) + scored.log_birth)
+            parts.append(
+                math.log(counts.search / self.parameters.particle_count) + scored.log_birth
+            )
         log_proposal: FloatArray = np.logaddexp.reduce(parts)
         return log_proposal
 

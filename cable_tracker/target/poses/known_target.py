@@ -124,10 +124,6 @@ class KnownTarget:
         """Whether it has been learnt from frames in colour."""
         return self.appearance.bins.shape[2] > 1
 
-    def size_at(self, state: FloatArray) -> float:
-        """Return the root of its area in a pose (6,) [px]."""
-        return self.template.size * math.exp(state[LOG_SCALE])
-
     def log_size_factor(self, states: FloatArray, spread: float) -> FloatArray:
         """Return the log-densities of the scales of poses, relative to that of the usual one, (N,).
 

@@ -21,7 +21,7 @@ from cable_tracker.particle_filter.student_t import kernel_mixture
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.predicted_density import PredictedDensity
-from cable_tracker.target.model.state import ANGLE, POSE_SIZE, X, Y, wrap_full_turn
+from cable_tracker.target.model.state import ANGLE, LOG_SCALE, POSE_SIZE, X, Y, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
@@ -161,7 +161,7 @@ class PoseBelief:
     @property
     def size(self) -> float:
         """Root of the area of the target that is expected [px]."""
-        return self.known.size_at(self.estimate)
+        return self.known.template.size * math.exp(self.estimate[LOG_SCALE])
 
     @property
     def angle(self) -> float:

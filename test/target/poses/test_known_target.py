@@ -1,4 +1,3 @@
-import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -32,10 +31,6 @@ def known():
     births = Births(pose(0.0), 2.0, (240, 320))
     looks = SimpleNamespace(size=20.0), SimpleNamespace(bins=SimpleNamespace(shape=(4, 4, 1)))
     return KnownTarget(*looks, score, score, 0.5, births)
-
-
-def test_the_size_follows_the_scale(known):
-    assert known.size_at(pose(math.log(2.0))) == pytest.approx(40.0)
 
 
 def test_the_usual_size_is_the_likeliest_and_the_others_less_so_the_shorter_it_is_away(known):

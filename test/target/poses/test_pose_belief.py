@@ -1,4 +1,5 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from cable_tracker.target.poses.pose_belief import (
     HELD_GAIN,
     RIVAL_FRAMES,
     RIVAL_TIME,
+    PoseBelief,
     RivalWatch,
     are_beside,
 )
@@ -63,3 +65,10 @@ def test_one_that_was_last_seen_farther_away_has_not_merged():
 def test_without_a_rival_everything_is_as_usual():
     watch = RivalWatch()
     assert (watch.gain_factor, watch.sharpness_factor, watch.jump_factor) == (1.0, 1.0, 1.0)
+
+
+def test_the_size_follows_the_scale():
+    known = SimpleNamespace(template=SimpleNamespace(size=20.0))
+    estimate = np.array([3.0, 4.0, math.log(2.0), 0.1, 0.0, 0.0])
+    belief = PoseBelief(particles=None, estimate=estimate, presence=1.0, known=known, rivals=None)
+    assert belief.size == pytest.approx(40.0)
