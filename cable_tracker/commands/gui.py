@@ -98,7 +98,7 @@ def gui(  # noqa: PLR0917
     window = need_gui("tracking.window")
     shared_sessions = need_gui("tracking.shared_session")
     server = need_gui("web.server")
-    requests = need_gui("session.recording_request")
+    sessions = need_gui("session.recording_session")
     if ros is not None:
         if source is not None:
             raise GuiError("give a recording or --ros NAMESPACE, not both")
@@ -119,7 +119,7 @@ def gui(  # noqa: PLR0917
     kind: FollowedKind[ParameterSet] = TARGET if target else CABLE
     values, parameters = chosen_parameters(kind, preset_name, params, {}, seed)
     start = init or WAIT if target else chosen_start(init, values)
-    request = requests.RecordingRequest(
+    request = sessions.RecordingRequest(
         path=source if source is not None else Path(),
         topic=topic,
         rate=rate,

@@ -1,7 +1,7 @@
 """A session without a recording or a node: a test tells its snapshots."""
 
 from cable_tracker.gui.session.session import Session
-from cable_tracker.gui.subject.subject import CABLE
+from cable_tracker.gui.subject import CABLE
 
 
 class StubSession(Session):

@@ -1,6 +1,6 @@
 // A canvas that shows the pictures of one channel, with what is drawn on them, and can be zoomed.
 //
-// A packet describes a picture (packet.py):
+// A packet describes a picture (frame_channel.py):
 //   number       which picture it is
 //   size         [width, height] of the frame; the JPEG may be smaller
 //   layers       each may have a name, by which it can be hidden:
@@ -10,7 +10,7 @@
 //                particles: rows of x1, y1, x2, y2, opacity
 // All points are in pixels of the frame, origin at the upper left corner, y down.
 
-import { unpack } from "./packet.js";
+import { unpack } from "./feed.js";
 
 const OPACITY_STEPS = 16;
 const RETRY_MS = 1000;

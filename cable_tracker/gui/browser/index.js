@@ -1,9 +1,7 @@
 // What both windows share; NiceGUI serves it as the module "cable-tracker-browser".
-export { unpack } from "./packet.js";
 export { FrameView } from "./frame_view.js";
-export { publish, subscribe } from "./feed.js";
-export { Axis } from "./axis.js";
-export { fit, keepPainted, ticks, throttled } from "./plot.js";
+export { publish, subscribe, unpack } from "./feed.js";
+export { Axis, fit, keepPainted, ticks, throttled } from "./plot.js";
 export * as labelGeometry from "./label_geometry.js";
 export { drawCable, fromCanvas, toCanvas, visibleRectangle } from "./label_drawing.js";
 export { LabelGestures } from "./label_gestures.js";

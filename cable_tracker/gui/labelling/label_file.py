@@ -1,14 +1,20 @@
-"""The file of labels in the format of the thesis, and the file of flags beside it."""
+"""Files of labels: in the format of the thesis, the flags beside, and labels not saved yet.
+
+The last are kept beside the label file, in case that the process dies.
+"""
 
 from __future__ import annotations
 
+import csv
 import hashlib
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 from cable_tracker.atomic_output import write_text
-from cable_tracker.errors import OutputError, RecordingError, read_failure, write_failure
-from cable_tracker.gui.labelling.csv_rows import read_rows
+from cable_tracker.cable.model.state import POSE_SYMBOLS, CableState
+from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
 from cable_tracker.gui.labelling.labels import (
     NO_CABLE,
     FrameLabel,
@@ -26,8 +32,60 @@ from cable_tracker.sequences.labels.sequence_file import (
 )
 from cable_tracker.sequences.tables.csv_tables import csv_text
 
+T = TypeVar("T")
+
 FLAGS_HEADER = ("frame", "stamp", "flag", "file")
 FLAGS_SUFFIX = ".flags.csv"
+
+AUTOSAVE_HEADER = ("frame", "stamp", "flag", *POSE_SYMBOLS, "file")
+AUTOSAVE_SUFFIX = ".autosave"
+
+
+def read_rows(path: Path, header: Sequence[str], parse: Callable[[list[str]], T]) -> list[T]:
+    """Return the parsed rows below the header of a CSV file; empty if there is no file.
+
+    Parameters
+    ----------
+    header : sequence of str
+        Names of the columns, which the first line must be.
+    parse : callable
+        Turns the fields of a row into its meaning; raises ValueError if they have none.
+
+    Raises
+    ------
+    RecordingError
+        The file cannot be read, or a line is malformed; the message names it.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+    except FileNotFoundError:
+        return []
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(
+            f"{path}: cannot be read ({one_line(error)}); check or remove the file"
+        ) from error
+    wanted = ",".join(header)
+    if not rows or rows[0] != list(header):
+        raise RecordingError(
+            f"{path}: line 1 is not the header {wanted}; correct or remove the file"
+        )
+    parsed = []
+    for number, fields in enumerate(rows[1:], start=2):
+        try:
+            parsed.append(_parsed(fields, len(header), parse))
+        except ValueError as error:
+            raise RecordingError(
+                f"{path}: line {number} is malformed ({one_line(error)}); expected: {wanted};"
+                " correct it, or remove the file"
+            ) from error
+    return parsed
+
+
+def _parsed(fields: list[str], count: int, parse: Callable[[list[str]], T]) -> T:
+    if len(fields) != count:
+        raise ValueError(f"{len(fields)} fields instead of {count}")
+    return parse(fields)
 
 
 class OverwriteError(OutputError):
@@ -262,3 +320,80 @@ class LabelFile:
             read_any_labels(self.path, allow_outside=True)
         except RecordingError as error:
             raise OutputError(refusal) from error
+
+
+def autosave_path(path: Path) -> Path:
+    """Return where the unsaved labels of a label file lie: ``NAME.autosave``."""
+    return path.with_name(path.name + AUTOSAVE_SUFFIX)
+
+
+def write_autosave(path: Path, labels: Labels, names: FrameNames) -> None:
+    """Write labels; numbers read back are equal to the last bit.
+
+    Parameters
+    ----------
+    names : FrameNames
+        Names of the frames, by which they are found again.
+
+    Raises
+    ------
+    OSError, ValueError
+        They cannot be written; what lay there is as it was.
+    """
+    folder = path.absolute().parent
+    rows = (
+        (
+            frame,
+            label.stamp,
+            label.flag,
+            *_places(label),
+            names.name(frame, folder),
+        )
+        for frame, label in sorted(labels.items())
+    )
+    write_text(path, csv_text(AUTOSAVE_HEADER, rows), waits=False)
+
+
+def _places(label: FrameLabel) -> Iterator[str]:
+    state = label.state
+    if state is None:
+        return iter(("", "", "", ""))
+    return map(repr, (state.distance, state.angle, state.width, state.skew))
+
+
+def read_autosave(path: Path, names: FrameNames) -> dict[int, FrameLabel]:
+    """Read what `write_autosave` wrote.
+
+    Frames are found by their names, as those of a label file: pictures may have come or gone since.
+    Labels of frames that are gone are left out.
+
+    Raises
+    ------
+    RecordingError
+        The file cannot be read, a line is malformed, or it labels other recordings only; the
+        message names it.
+    """
+    rows = read_rows(path, AUTOSAVE_HEADER, _parse_autosaved)
+    try:
+        frames = names.frames([name for _, name in rows], path)
+    except RecordingError as error:
+        raise RecordingError(
+            f"{path}: holds unsaved labels, but not of this recording; move it away, or remove it"
+        ) from error
+    return {
+        frame: label for frame, (label, _) in zip(frames, rows, strict=True) if frame is not None
+    }
+
+
+def _parse_autosaved(fields: list[str]) -> tuple[FrameLabel, FrameName]:
+    _, stamp, flag, *places, name = fields
+    state = None if flag == NO_CABLE else _finite_state(places)
+    return flagged_label(state, flag, int(stamp) if stamp else None), parse_name(name)
+
+
+def _finite_state(places: list[str]) -> CableState:
+    distance, angle, width, skew = map(float, places)
+    state = CableState(distance, angle, width, skew)
+    if not state.is_finite():
+        raise ValueError("a number is not finite")
+    return state

@@ -20,10 +20,8 @@ from cable_tracker.gui.labelling.labels import FrameLabel, Origin, flagged_label
 from cable_tracker.gui.labelling.pictures import Picture
 from cable_tracker.gui.labelling.proposals import LabelProposal
 from cable_tracker.gui.labelling.workspace import Workspace
-from cable_tracker.gui.web.frame_channel import FrameChannel
-from cable_tracker.gui.web.packet import jpeg_section, pack
-from cable_tracker.gui.web.server import Channels, Listening, serve
-from cable_tracker.gui.web.typed_paths import typed_path
+from cable_tracker.gui.web.frame_channel import FrameChannel, jpeg_section, pack
+from cable_tracker.gui.web.server import Channels, Listening, serve, typed_path
 from cable_tracker.printable import printable
 from cable_tracker.sequences.tables.estimates import format_stamp
 

@@ -6,24 +6,28 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
+from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import CableTrackerError, RecordingError
-from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.session import AnyStart, Session
-from cable_tracker.gui.session.session_trackers.cable_session_tracker import CableSessionTracker
-from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
-from cable_tracker.gui.session.session_trackers.target_session_tracker import TargetSessionTracker
+from cable_tracker.gui.session.session_trackers import (
+    CableSessionTracker,
+    SessionTracker,
+    TargetSessionTracker,
+)
 from cable_tracker.gui.session.task_thread import TaskThread
 from cable_tracker.gui.session.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import recorded_target
 from cable_tracker.printable import printable
+from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
 from cable_tracker.sequences.source import open_chosen
-from cable_tracker.sequences.source_base import Source
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
@@ -33,6 +37,35 @@ LONGEST_PAUSE = 1.0
 
 LARGEST_DELAY = 0.1
 """A player that is behind by more does not catch up [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingRequest(ChosenRecording):
+    """Choices of the user about a recording.
+
+    Attributes
+    ----------
+    init : str
+        Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
+    choice : InstrumentChoice
+        Topics of the instruments.
+    vehicle : Path or None
+        The user's `vehicle.yaml`; None: the one in the bag's folder, if there is one.
+    """
+
+    init: str = RANDOM
+    choice: InstrumentChoice = field(default_factory=InstrumentChoice)
+    vehicle: Path | None = None
+
+    def for_other(self, path: Path) -> RecordingRequest:
+        """Return the request for another recording, opened like this one.
+
+        Topics that were named and the vehicle file are those of the recording that was named with
+        them, or of the first one that is opened if none was.
+        """
+        if self.path in (path, Path()):
+            return replace(self, path=path)
+        return replace(self, path=path, choice=InstrumentChoice(), vehicle=None)
 
 
 class RecordingSession(Session):

@@ -10,11 +10,11 @@ from pathlib import Path
 from nicegui import run, ui
 
 from cable_tracker.errors import CableTrackerError, GuiError
-from cable_tracker.gui.session.recording_request import RecordingRequest
-from cable_tracker.gui.subject.parameter_sheet import ExistingFileError, write_parameter_file
-from cable_tracker.gui.subject.subject import Subject
+from cable_tracker.gui.session.recording_session import RecordingRequest
+from cable_tracker.gui.subject import Subject
 from cable_tracker.gui.tracking.commands import KeyBinding
-from cable_tracker.gui.web.typed_paths import typed_path
+from cable_tracker.gui.tracking.parameter_sheet import ExistingFileError, write_parameter_file
+from cable_tracker.gui.web.server import typed_path
 from cable_tracker.printable import printable
 
 CABLE_START = "start: random, truth, a detector, or d,alpha,w,beta (px, rad)"

@@ -7,8 +7,8 @@ from typing import Any
 
 from nicegui.element import Element
 
-from cable_tracker.gui.subject.subject import Subject
-from cable_tracker.gui.tracking.history import STATUSES
+from cable_tracker.gui.subject import Subject
+from cable_tracker.gui.tracking.picture_feed import STATUSES
 from cable_tracker.gui.web.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.visualisation import palette
 

@@ -11,11 +11,9 @@ from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.errors import FrameError, GuiError
-from cable_tracker.gui.session.recording_request import RecordingRequest
-from cable_tracker.gui.session.recording_session import RecordingSession
-from cable_tracker.gui.session.session import Session
-from cable_tracker.gui.session.snapshot import CableSnapshot, TargetSnapshot
-from cable_tracker.gui.subject.subject import CABLE, TARGET
+from cable_tracker.gui.session.recording_session import RecordingRequest, RecordingSession
+from cable_tracker.gui.session.session import CableSnapshot, Session, TargetSnapshot
+from cable_tracker.gui.subject import CABLE, TARGET
 from cable_tracker.gui.tracking.picture_feed import PictureFeed
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart

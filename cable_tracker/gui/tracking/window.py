@@ -12,16 +12,9 @@ from nicegui.events import GenericEventArguments
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import CableTrackerError, GuiError
-from cable_tracker.gui.session.recording_request import RecordingRequest
+from cable_tracker.gui.session.recording_session import RecordingRequest
 from cable_tracker.gui.session.session import Session
-from cable_tracker.gui.subject.parameter_sheet import (
-    groups_for_page,
-    parameter_text,
-    value_from_field,
-    values_for_page,
-    values_from_text,
-)
-from cable_tracker.gui.subject.subject import TARGET
+from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking.commands import (
     DIALOGS,
     POINTER_HELP,
@@ -51,6 +44,13 @@ from cable_tracker.gui.tracking.elements import (
     Shortcuts,
     TrackingPicture,
     TransportBar,
+)
+from cable_tracker.gui.tracking.parameter_sheet import (
+    groups_for_page,
+    parameter_text,
+    value_from_field,
+    values_for_page,
+    values_from_text,
 )
 from cable_tracker.gui.tracking.shared_session import (
     SharedSession,

@@ -8,6 +8,7 @@ import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
 
 from nicegui import app, background_tasks, ui
@@ -190,3 +191,20 @@ def serve(
             dark=True,
             reconnect_timeout=10.0,
         )
+
+
+def typed_path(text: str) -> Path:
+    """Return the path on the server; ``~`` is the home folder there.
+
+    Raises
+    ------
+    GuiError
+        Nothing is typed, or it names the home folder of a user that the server does not know.
+    """
+    if not text.strip():
+        # As a path it would be the folder that the server was started in.
+        raise GuiError("no path is given; type one")
+    try:
+        return Path(text.strip()).expanduser()
+    except RuntimeError as error:
+        raise GuiError(f"{text.strip()}: no such home folder; write the whole path") from error

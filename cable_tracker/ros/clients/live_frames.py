@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from cable_tracker.errors import FrameError
-from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
+from cable_tracker.gui.session.session import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.ros.clients.message_rows import cable_row, target_row
 from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.sequences import node_topics

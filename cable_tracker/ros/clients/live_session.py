@@ -23,9 +23,8 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
 from cable_tracker.errors import ParameterError, RosError
-from cable_tracker.gui.session.session import AnyStart, Session
-from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot
-from cable_tracker.gui.subject.subject import CABLE, TARGET, Subject
+from cable_tracker.gui.session.session import AnySnapshot, AnyStart, CableSnapshot, Session
+from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import IMAGE_READERS, LiveConnection, find_topics

@@ -5,8 +5,13 @@ from dataclasses import replace
 import pytest
 
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
-from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
-from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
+from cable_tracker.gui.labelling.label_file import (
+    FileContent,
+    LabelFile,
+    OverwriteError,
+    autosave_path,
+    write_autosave,
+)
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin
 from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
 from cable_tracker.sequences.labels.frame_names import names_of

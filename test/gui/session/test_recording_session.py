@@ -1,7 +1,10 @@
+from __future__ import annotations
+
 import math
 import os
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -14,8 +17,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.line_pairs import DEFAULT_LIMITS
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
-from cable_tracker.gui.session.recording_request import RecordingRequest
-from cable_tracker.gui.session.recording_session import RecordingSession
+from cable_tracker.gui.session.recording_session import RecordingRequest, RecordingSession
 from cable_tracker.gui.session.tracked_recording import LONGEST_RUN
 from cable_tracker.gui.tracking.commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
@@ -37,6 +39,11 @@ LAST = 59
 LESS_THAN_A_FRAME_A_MINUTE = 1e-5
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
 TABLE_ONLY = WantedResults(video=False, bag=False, pictures=False)
+
+NAMED = InstrumentChoice({Instrument.ALTITUDE: "/dvl/altitude", Instrument.ODOMETRY: "none"})
+
+
+VEHICLE = Path("vehicle.yaml")
 
 
 @pytest.fixture
@@ -426,3 +433,21 @@ def test_the_end_of_a_damaged_recording_is_its_last_frame(watch, tmp_path):
     last = watched.wait(lambda now: now.frame > 5 and now.row.status != WARMING_UP)
     assert last.frame == watched.session.frame_count - 1
     assert "damaged" in watched.session.trouble
+
+
+@pytest.mark.parametrize(
+    ("path", "choice", "vehicle"),
+    [
+        (Path(), NAMED, VEHICLE),
+        (Path("dive"), NAMED, VEHICLE),
+        (Path("other"), InstrumentChoice(), None),
+    ],
+)
+def test_topics_and_vehicle_are_those_of_the_recording_named_with_them_or_of_the_first(
+    path, choice, vehicle
+):
+    request = RecordingRequest(path, choice=NAMED, vehicle=VEHICLE, init="truth", rate=5.0)
+    expected = RecordingRequest(
+        Path("dive"), choice=choice, vehicle=vehicle, init="truth", rate=5.0
+    )
+    assert request.for_other(Path("dive")) == expected

@@ -11,9 +11,8 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.targets.metrics import overlap
-from cable_tracker.gui.session.recording_request import RecordingRequest
-from cable_tracker.gui.session.recording_session import RecordingSession
-from cable_tracker.gui.subject.subject import TARGET
+from cable_tracker.gui.session.recording_session import RecordingRequest, RecordingSession
+from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking.shared_session import SharedSession, start_with_box
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import recorded_target

@@ -8,7 +8,7 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 from socket_end import Browser
 from stub_session import StubSession
 
-from cable_tracker.gui.session.snapshot import CableSnapshot
+from cable_tracker.gui.session.session import CableSnapshot
 from cable_tracker.gui.tracking.picture_feed import PictureFeed
 from cable_tracker.sequences.tables.estimates import EstimateRow
 

@@ -6,18 +6,20 @@ import pytest
 
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.gui.session.snapshot import CableSnapshot, TargetSnapshot
-from cable_tracker.gui.tracking.history import HistoryColumn, TrackingHistory
-from cable_tracker.gui.tracking.picture_layers import (
+from cable_tracker.gui.session.session import CableSnapshot, TargetSnapshot
+from cable_tracker.gui.tracking.picture_feed import HistoryColumn, TrackingHistory
+from cable_tracker.gui.tracking.picture_packet import (
     LARGEST_CLOUD,
+    LARGEST_HEIGHT,
+    LARGEST_WIDTH,
     MOST_OPAQUE,
     heaviest,
     layers_of,
+    make_packet,
     particle_lines,
     target_layers,
     target_particles,
 )
-from cable_tracker.gui.tracking.picture_packet import LARGEST_HEIGHT, LARGEST_WIDTH, make_packet
 from cable_tracker.offline.target_table import TargetClaim, TargetRow
 from cable_tracker.sequences.tables.estimates import EstimateRow
 

@@ -8,7 +8,7 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, RecordingError
-from cable_tracker.gui.session.recording_request import RecordingRequest
+from cable_tracker.gui.session.recording_session import RecordingRequest
 from cable_tracker.gui.tracking.commands import COMMANDS, SPEEDS, command_player, speed_label
 from cable_tracker.gui.tracking.shared_session import SharedSession, drawn_state, start_at
 

@@ -18,7 +18,7 @@ from tracking_page import PICTURE, TrackingPage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError, GuiError, RosError
-from cable_tracker.gui.session.recording_request import RecordingRequest
+from cable_tracker.gui.session.recording_session import RecordingRequest
 from cable_tracker.gui.tracking.commands import SPEEDS
 from cable_tracker.sequences.source import open_source
 from cable_tracker.tracking.parameter_files import (

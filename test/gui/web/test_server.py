@@ -1,17 +1,25 @@
 import os
 import socket
 import urllib.request
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
-
 from cable_tracker.errors import GuiError
-from cable_tracker.gui.web.server import Channels, Listening, claim_port, listen_on, serve
+from cable_tracker.gui.web.server import (
+    Channels,
+    Listening,
+    claim_port,
+    listen_on,
+    serve,
+    typed_path,
+)
 
 from ..conftest import Running
+
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 
 def test_a_port_that_is_taken_is_named():
@@ -75,3 +83,20 @@ def test_a_recording_in_a_folder_whose_name_is_no_utf8_is_shown(tmp_path, comman
             assert b"caf\\\\xe9" in page.read()
     finally:
         running.stop()
+
+
+def test_a_typed_path_may_begin_at_the_home_folder(monkeypatch):
+    monkeypatch.setenv("HOME", "/home/pilot")
+    assert typed_path(" ~/dive.mcap ") == Path("/home/pilot/dive.mcap")
+    assert typed_path("dive.mcap") == Path("dive.mcap")
+
+
+def test_the_home_folder_of_an_unknown_user_is_refused_in_words():
+    with pytest.raises(GuiError, match=r"~nosuchuser/dive\.mcap: no such home folder"):
+        typed_path("~nosuchuser/dive.mcap")
+
+
+@pytest.mark.parametrize("text", ["", "  "])
+def test_no_path_at_all_is_not_the_folder_that_the_server_was_started_in(text):
+    with pytest.raises(GuiError, match="no path is given"):
+        typed_path(text)

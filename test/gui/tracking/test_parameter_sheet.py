@@ -6,7 +6,8 @@ import pytest
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import GuiError, OutputError, ParameterError
-from cable_tracker.gui.subject.parameter_sheet import (
+from cable_tracker.gui.subject import CABLE, TARGET
+from cable_tracker.gui.tracking.parameter_sheet import (
     grouped,
     parameter_text,
     value_from_field,
@@ -14,7 +15,6 @@ from cable_tracker.gui.subject.parameter_sheet import (
     values_from_text,
     write_parameter_file,
 )
-from cable_tracker.gui.subject.subject import CABLE, TARGET
 
 
 @pytest.mark.parametrize("subject", [CABLE, TARGET])

@@ -10,7 +10,7 @@ import yaml
 
 from cable_tracker.atomic_output import write_text
 from cable_tracker.errors import GuiError, ParameterError, write_failure
-from cable_tracker.gui.subject.subject import Groups, Subject
+from cable_tracker.gui.subject import Groups, Subject
 from cable_tracker.printable import printable
 from cable_tracker.tracking.parameter_files import (
     edited_text,

@@ -1,1 +1,0 @@
-"""Trackers as a recording session uses them."""

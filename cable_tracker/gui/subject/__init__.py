@@ -1,1 +1,0 @@
-"""What a page knows of what is tracked, a cable or a target: words, colours, parameters."""
