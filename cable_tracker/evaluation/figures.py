@@ -21,13 +21,13 @@ from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult, chosen, methods_of
 from cable_tracker.evaluation.sample_statistics import percentages
 from cable_tracker.evaluation.trace import Trace
-from cable_tracker.visualisation.figure_files import (
+from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
+from cable_tracker.visualisation.plots import (
     broken_at_wraps,
     draw_line,
     figure_png,
     with_faint_grid,
 )
-from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
 
 DOTS_PER_INCH = 130
 NOMINAL = np.linspace(0.02, 0.98, 49)

@@ -22,10 +22,10 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.pictures.shown_levels import decode_shown
 from cable_tracker.sequences.tables.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.tables.stored_rows import StoredRows
-from cable_tracker.visualisation.drawing_thread import DrawingThread
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
 from cable_tracker.visualisation.plots import plot_estimates
+from cable_tracker.visualisation.video import DrawingThread
 
 
 class CableFolder(Results):

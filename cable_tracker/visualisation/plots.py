@@ -1,34 +1,34 @@
-"""Plots of the estimates of a whole recording over time."""
+"""Plots of the estimates of a whole recording over time, and what figures have in common."""
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
-from cable_tracker.cable.model.geometry import wrap_state
+from cable_tracker.atomic_output import write_bytes
+from cable_tracker.cable.model.geometry import wrap_state, wraps_between
 from cable_tracker.cable.model.state import ANGLE, POSE_COMPONENTS, POSE_SIZE, CableState
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import REFUSED, TrackingStatus
-from cable_tracker.visualisation.figure_files import (
-    broken_at_wraps,
-    draw_line,
-    with_faint_grid,
-    write_figure,
-)
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
+
+DOTS_PER_INCH = 110
 
 LARGEST_COUNT = 10_000
 """A longer recording is thinned out to at most this many frames: a plot cannot show more."""
@@ -43,6 +43,59 @@ LONGEST_STEP = 5.0
 
 PANEL_HEIGHT = 2.1
 """[inch]."""
+
+
+def figure_png(figure: Figure, dots_per_inch: int = DOTS_PER_INCH) -> bytes:
+    """Return a figure as PNG."""
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure)
+    figure.savefig(buffer, format="png", dpi=dots_per_inch)
+    return buffer.getvalue()
+
+
+def write_figure(path: Path, figure: Figure) -> None:
+    """Write a figure as PNG; a failure leaves no file behind.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    write_bytes(path, figure_png(figure))
+
+
+def with_faint_grid(axis: Axes) -> None:
+    """Give a panel a faint grid behind its lines, and no frame above and at the right."""
+    axis.grid(color="0.9", linewidth=0.6)
+    axis.set_axisbelow(True)
+    for side in ("top", "right"):
+        axis.spines[side].set_visible(False)
+
+
+def broken_at_wraps(
+    places: FloatArray, angles: FloatArray, *values: FloatArray
+) -> tuple[FloatArray, ...]:
+    """Return places and values, each (T,), with NaN put in where angles (T,) wrap [rad].
+
+    There d and beta change their signs with the angle, and a line would run across the panel.
+    """
+    wraps = np.flatnonzero(wraps_between(angles)) + 1
+    return tuple(np.insert(each, wraps, np.nan) for each in (places, *values))
+
+
+def draw_line(
+    axis: Axes,
+    places: FloatArray,
+    values: FloatArray,
+    colour: Any,  # noqa: ANN401  What matplotlib takes.
+    **style: Any,  # noqa: ANN401
+) -> None:
+    """Draw values (T,) at positions (T,), broken at NaN; those without neighbours become dots."""
+    axis.plot(places, values, color=colour, **style)
+    known = np.isfinite(values)
+    padded = np.concatenate(([False], known, [False]))
+    alone = known & ~padded[:-2] & ~padded[2:]
+    axis.plot(places[alone], values[alone], ".", color=colour, markersize=4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

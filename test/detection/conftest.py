@@ -9,7 +9,7 @@ import pytest
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.edges import EdgePoints
+from cable_tracker.detection.border_lines import EdgePoints
 
 
 def errors_between(found: CableState, truth: CableState) -> np.ndarray:

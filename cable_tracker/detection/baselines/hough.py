@@ -21,9 +21,14 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.compilation import compiled
-from cable_tracker.detection.border_lines import BorderLines, fit_lines
+from cable_tracker.detection.border_lines import (
+    BorderLines,
+    EdgePoints,
+    Gradient,
+    fit_lines,
+    gradient_of,
+)
 from cable_tracker.detection.detector import CableDetector
-from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
 from cable_tracker.tracking.parameter_table import pixel_scale

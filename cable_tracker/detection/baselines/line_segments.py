@@ -18,9 +18,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.border_lines import BorderLines
+from cable_tracker.detection.border_lines import BorderLines, gradient_of
 from cable_tracker.detection.detector import CableDetector
-from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import ResourceError

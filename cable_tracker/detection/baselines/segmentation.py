@@ -22,9 +22,8 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.border_lines import BorderLines
+from cable_tracker.detection.border_lines import BorderLines, Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.detector import CableDetector
-from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
 from cable_tracker.tracking.parameter_table import pixel_scale

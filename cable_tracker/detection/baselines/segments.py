@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
-from cable_tracker.detection.border_lines import BorderLines, fit_lines
-from cable_tracker.detection.edges import EdgePoints, Gradient
+from cable_tracker.detection.border_lines import BorderLines, EdgePoints, Gradient, fit_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import image_to_pixel
 

@@ -23,9 +23,15 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.detection.baselines.hough import hough_lines
-from cable_tracker.detection.border_lines import CONTRAST_CAP, BorderLines
+from cable_tracker.detection.border_lines import (
+    CONTRAST_CAP,
+    BorderLines,
+    EdgePoints,
+    gradient_of,
+    gradient_ridge,
+    magnitude,
+)
 from cable_tracker.detection.detector import CableDetector
-from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge, magnitude
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
 from cable_tracker.tracking.parameter_table import pixel_scale

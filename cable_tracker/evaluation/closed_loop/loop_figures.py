@@ -14,7 +14,6 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
 from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.simulation.rendering.laid_cable import Stretch
-from cable_tracker.visualisation.figure_files import write_figure
 from cable_tracker.visualisation.palette import (
     AMBER,
     BLACK,
@@ -28,6 +27,7 @@ from cable_tracker.visualisation.palette import (
     dark,
     to_bgr,
 )
+from cable_tracker.visualisation.plots import write_figure
 
 MODE_COLOURS: dict[str, Colour] = {
     "WAITING": AMBER,

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.sequences.tables.csv_tables import write_records
-from cable_tracker.visualisation.figure_files import write_figure
+from cable_tracker.visualisation.plots import write_figure
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"
 

@@ -9,7 +9,7 @@ from cable_tracker.detection.baselines.segmentation import (
     region_contours,
     straight_segments,
 )
-from cable_tracker.detection.edges import gradient_of
+from cable_tracker.detection.border_lines import gradient_of
 
 
 def smooth(image):

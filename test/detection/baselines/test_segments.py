@@ -6,8 +6,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.border_lines import turn_between
-from cable_tracker.detection.edges import gradient_of
+from cable_tracker.detection.border_lines import gradient_of, turn_between
 
 
 @pytest.fixture
