@@ -4,6 +4,5 @@ export { publish, subscribe, unpack } from "./feed.js";
 export { Axis, fit, keepPainted, ticks, throttled } from "./plot.js";
 export * as labelGeometry from "./label_geometry.js";
 export { drawCable, fromCanvas, toCanvas, visibleRectangle } from "./label_drawing.js";
-export { LabelGestures } from "./label_gestures.js";
-export { KEYS, meaningOf } from "./label_keys.js";
+export { KEYS, LabelGestures, meaningOf } from "./label_input.js";
 export { LabelTimeline } from "./label_timeline.js";

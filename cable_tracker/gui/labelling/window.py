@@ -121,7 +121,7 @@ class LabelPage:
         client = ui.context.client
         self._editor = LabelEditor(self._channel, printable(self._workspace.source.path.resolve()))
         self._editor.on("ready", self._ready)
-        self._editor.on("go", self._go)
+        self._editor.on("go", self._want)
         self._editor.on("commit", self._commit)
         self._editor.on("command", self._command)
         stop_listening = self._workspace.listen(self._changed)
@@ -138,9 +138,6 @@ class LabelPage:
         self._load()
         self._want(event)
         self._offer_autosaved()
-
-    def _go(self, event: GenericEventArguments) -> None:
-        self._want(event)
 
     def _want(self, event: GenericEventArguments) -> None:
         frame, count = int(event.args["frame"]), self._workspace.count

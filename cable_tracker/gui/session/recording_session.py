@@ -101,7 +101,10 @@ class RecordingSession(Session):
         self.request = request
         self._resources = ExitStack()
         with ExitStack() as stack:
-            source = stack.enter_context(_open_for(request, parameters))
+            # Labels of a target are none of a cable, and are read by its tracker.
+            is_target = isinstance(parameters, TargetParameters)
+            opened = replace(request, truth=None) if is_target else request
+            source = stack.enter_context(open_chosen(opened))
             self._frames = FrameAccess(source)
             vehicle = recorded_vehicle(source, request.choice, request.vehicle)
             tracker = _make_tracker(source, request, parameters, vehicle)
@@ -320,12 +323,6 @@ class RecordingSession(Session):
     def _is_interrupted(self, is_target: bool) -> bool:
         """Tell whether another frame is wanted by now than the one on the way."""
         return self._thread.is_closing or (self._target is not None and not is_target)
-
-
-def _open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
-    """Open a recording; labels of a target are none of a cable, and are read by its tracker."""
-    is_target = isinstance(parameters, TargetParameters)
-    return open_chosen(replace(request, truth=None) if is_target else request)
 
 
 def _make_tracker(

@@ -277,7 +277,7 @@ def test_every_parameter_has_a_field_with_its_help(window):
     names = TrackerParameters().as_mapping()
     assert sorted(named) == sorted([f"p-{name}", f"h-{name}", f"p-{name}"] for name in names)
     window.field("maximum_gap").focus()
-    assert "longer pause" in window.page.locator("#h-maximum_gap").inner_text()
+    assert "Longest pause" in window.page.locator("#h-maximum_gap").inner_text()
 
 
 def test_a_preset_is_compared_and_loaded(window):
