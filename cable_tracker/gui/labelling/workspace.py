@@ -17,7 +17,7 @@ from typing import TypeAlias
 
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import OutputError, ParameterError, RecordingError, one_line
-from cable_tracker.gui.labelling.document import Changes, LabelDocument
+from cable_tracker.gui.labelling.document import Changes, Gap, LabelDocument
 from cable_tracker.gui.labelling.label_file import (
     FileContent,
     LabelFile,
@@ -26,7 +26,7 @@ from cable_tracker.gui.labelling.label_file import (
     read_autosave,
     write_autosave,
 )
-from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels, stamps_of
+from cable_tracker.gui.labelling.labels import FrameLabel, Labels, stamps_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.printable import printable
