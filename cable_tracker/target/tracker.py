@@ -43,6 +43,7 @@ LONG_GONE = 3.0
 again: by then the target is looked for in the whole picture."""
 
 NO_OTHERS = np.empty((0, STATE_SIZE))
+
 WARM_UP_WIDTH, WARM_UP_HEIGHT = 320, 240
 WARM_UP_FRAMES = 3
 WARM_UP_STEP = 40_000_000

@@ -32,7 +32,8 @@ RECENT_TIME = 2.0
 """Length of the history that goes with every picture, so that a browser that missed some has no
 gaps [s]."""
 
-LARGEST_LENGTH = 4000
+MOST_ROWS = 4000
+"""Largest number of rows of the history."""
 
 STATUSES = (
     TrackingStatus.TRACKING.value,
@@ -73,7 +74,7 @@ class TrackingHistory:
     """Numbers of the frames up to the newest; going back takes away those that come after."""
 
     def __init__(self) -> None:
-        self._rows: deque[tuple[int, tuple[float, ...]]] = deque(maxlen=LARGEST_LENGTH)
+        self._rows: deque[tuple[int, tuple[float, ...]]] = deque(maxlen=MOST_ROWS)
 
     def add(self, snapshot: AnySnapshot) -> None:
         """Add a frame."""
@@ -98,7 +99,7 @@ class TrackingHistory:
         oldest = -math.inf if is_whole else now - RECENT_TIME * NANOSECONDS
         newest_first = ((stamp, row) for stamp, row in reversed(self._rows) if stamp <= now)
         rows = []
-        for stamp, row in islice(newest_first, LARGEST_LENGTH):
+        for stamp, row in islice(newest_first, MOST_ROWS):
             if stamp < oldest:
                 break
             rows.append(((stamp - now) / NANOSECONDS, *row))

@@ -39,6 +39,28 @@ from cable_tracker.tracking.image_frame import bounding_box
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 from cable_tracker.tracking.rates import share_over_time
 
+REFINEMENT_ROUNDS = 3
+"""Iterations in which outline and appearance of a target marked by a box are found in turn."""
+
+BOX_SOFTNESS = 0.15
+"""Softness of the ellipse in a box as a prior of shape, in roots of its area."""
+
+BOX_ERROR = 0.15
+"""Largest distance of a target's outline beyond the box that marks it, in sides of the box."""
+
+SIZE_TAIL = 4.0
+"""Degrees of freedom of the log scale about its running mean."""
+
+RESHAPED_EVERY = 3
+"""The template is updated every RESHAPED_EVERY adaptations, with rate 1 - (1 - shape_rate)**k over
+the k reference frames since the last time."""
+
+SCORE_RATE = 0.05
+"""Share per frame with which the usual score follows: its scatter is from frame to frame."""
+
+LONGEST_LEARNT = 0.2
+"""Time that one frame counts for at most where appearance and shape are learnt [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class UsualScore:
@@ -62,28 +84,6 @@ class UsualScore:
 
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
 """Prior of the likeness of a target's contour to the target: in colour, and in grey."""
-
-ROUNDS = 3
-"""Iterations of outline and appearance in turn."""
-
-BOX_SOFTNESS = 0.15
-"""Softness of the ellipse in a box as a prior of shape, in roots of its area."""
-
-BOX_ERROR = 0.15
-"""Largest distance of a target's outline beyond the box that marks it, in sides of the box."""
-
-SIZE_TAIL = 4.0
-"""Degrees of freedom of the log scale about its running mean."""
-
-RESHAPED_EVERY = 3
-"""The template is updated every RESHAPED_EVERY adaptations, with rate 1 - (1 - shape_rate)**k over
-the k reference frames since the last time."""
-
-SCORE_RATE = 0.05
-"""Share per frame with which the usual score follows: its scatter is from frame to frame."""
-
-LONGEST_LEARNT = 0.2
-"""Time that one frame counts for at most where appearance and shape are learnt [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -258,7 +258,7 @@ def _refined(
     marked = template_of_mask(mask, parameters.template_points, frame.zoom)
     state = _pose_of(mask)
     allowed = _widened(mask)
-    for _ in range(ROUNDS):
+    for _ in range(REFINEMENT_ROUNDS):
         appearance = learn_appearance(bin_map, mask, bins)
         ratios = looked_up(bin_map, appearance.log_ratios(parameters.ratio_limit))
         outline = find_outline(ratios, state, marked, BOX_SOFTNESS, parameters)

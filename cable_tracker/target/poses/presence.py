@@ -23,7 +23,6 @@ LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-3
 CLEAR_OF_TARGET = 1.5
 """Random places this far from the target count as clutter, in roots of its area."""
 
-
 CLUTTER_TAIL = 3.0
 """Degrees of freedom of the Student-t about the usual score of clutter."""
 
