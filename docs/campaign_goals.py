@@ -24,8 +24,8 @@ from cable_tracker import __version__
 from cable_tracker.campaigns.folder_tasks import TaskState, run_in_folder
 from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
+from cable_tracker.simulation.instruments.survey_dive import write_survey_bag
 from cable_tracker.survey.campaign import SurveyTask
 from cable_tracker.survey.frames.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings

@@ -19,8 +19,8 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
-from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
+from cable_tracker.simulation.scenario_dive import simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.visualisation.overlay import draw_overlay
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -21,12 +21,14 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import deserialise
 from cable_tracker.simulation.cable_scene import cable_of_seed, cable_points
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDive, usual_survey
+from cable_tracker.simulation.instruments.survey_dive import (
+    SurveyDive,
+    usual_survey,
+    write_survey_bag,
+)
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.simulation.rendering.clutter import Streak
-from cable_tracker.simulation.rendering.laid_cable import Stretch
-from cable_tracker.simulation.rendering.tube import Tube
+from cable_tracker.simulation.rendering.laid_cable import Stretch, Tube
 from cable_tracker.survey.frames.forward_pass import read_pose, track_forwards
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse

@@ -17,8 +17,7 @@ from tempfile import TemporaryDirectory
 
 import cv2
 
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import usual_survey
+from cable_tracker.simulation.instruments.survey_dive import usual_survey, write_survey_bag
 from cable_tracker.survey.recording import SurveySettings, survey_recording
 
 

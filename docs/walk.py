@@ -32,7 +32,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.tracking.status import TrackingStatus
 
 PACKAGE = Path(arrays.__file__).parent

@@ -97,8 +97,8 @@ ORDER_WITHIN = {
     ],
     "gui": ["subject", "session", "web", "labelling", "tracking"],
     "simulation": [
-        "settings", "rendering", "borders", "motion", "dive", "cable_scene",
-        "scenarios", "worlds", "fading", "instruments", "live_world", "targets",
+        "settings", "rendering", "borders", "trajectory", "vehicle", "dive", "cable_scene",
+        "scenarios", "scenario_dive", "worlds", "instruments", "live_world", "targets",
     ],
     "survey": [
         "memory_mapped", "frames", "navigation", "smoothing", "routes", "redetection", "outputs",

@@ -37,7 +37,7 @@ from cable_tracker.evaluation.learning_sources import (
 )
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.sequences.source_base import ChosenRecording
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
+from cable_tracker.simulation.scenarios import SCENARIOS
 
 
 def learn(  # noqa: PLR0917

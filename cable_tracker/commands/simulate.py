@@ -27,18 +27,20 @@ from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
 from cable_tracker.simulation.instruments.instrument_writer import write_ticks
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, usual_survey
+from cable_tracker.simulation.instruments.survey_dive import (
+    SurveyDiveSettings,
+    usual_survey,
+    write_survey_bag,
+)
 from cable_tracker.simulation.rendering.camera import NO_DISTORTION, Distortion
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
-from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
-from cable_tracker.simulation.scenarios.scenario_dive import (
+from cable_tracker.simulation.scenario_dive import (
     SimulationSettings,
     scenario_dive,
     simulate,
     simulate_scenario,
     simulated_dive,
 )
+from cable_tracker.simulation.scenarios import SCENARIO_RATE, SCENARIOS, find_scenario
 from cable_tracker.simulation.settings import check_frames, check_seed, check_size
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import (
@@ -47,7 +49,8 @@ from cable_tracker.simulation.targets.sequence import (
     labelled_frames,
     simulate_target,
 )
-from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.catalogue import WORLDS
+from cable_tracker.simulation.worlds.world_dive import simulate_world
 
 FRAMES, RATE, CLUTTER = 300, 25.0, 0.5
 """Number of frames, frame rate [1/s] and clutter that are simulated by default."""

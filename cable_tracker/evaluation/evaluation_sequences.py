@@ -19,12 +19,12 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import open_chosen
 from cable_tracker.simulation.dive import SimulatedFrame
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
-from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
-from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world, worlds_of
-from cable_tracker.simulation.worlds.crisp import simulate_strip
+from cable_tracker.simulation.scenario_dive import simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import WORLDS, Split, worlds_of
 from cable_tracker.simulation.worlds.ground import photographs_of
-from cable_tracker.simulation.worlds.world import Split
+from cable_tracker.simulation.worlds.strip import simulate_strip
+from cable_tracker.simulation.worlds.world_dive import simulate_world
 
 THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 """Scenarios like the sequences of the thesis."""

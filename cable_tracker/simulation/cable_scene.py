@@ -18,12 +18,11 @@ from cable_tracker.simulation.dive import (
     make_scene,
     random_course,
 )
-from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.appearance import Bottom, SceneAppearance, Skin, Water
-from cable_tracker.simulation.rendering.camera import CameraPoses
+from cable_tracker.simulation.rendering.camera import CameraPoses, from_renderer, to_renderer
+from cable_tracker.simulation.rendering.laid_cable import Tube
 from cable_tracker.simulation.rendering.renderer import SceneRenderer
-from cable_tracker.simulation.rendering.tube import Tube
-from cable_tracker.simulation.rendering.world_frame import from_renderer, to_renderer
+from cable_tracker.simulation.vehicle import VehicleState
 
 CURVATURE = 0.04
 """The cable never bends more than this [1/m]."""

@@ -17,10 +17,9 @@ from cable_tracker.simulation.borders import (
     ProjectedBorders,
     fit_states,
     project_tube,
+    steer,
     visible_share,
 )
-from cable_tracker.simulation.motion.steering import steer
-from cable_tracker.simulation.motion.trajectory import Trajectory
 from cable_tracker.simulation.rendering.appearance import SceneAppearance, Skin
 from cable_tracker.simulation.rendering.camera import (
     NO_DISTORTION,
@@ -29,12 +28,18 @@ from cable_tracker.simulation.rendering.camera import (
     Distortion,
 )
 from cable_tracker.simulation.rendering.clutter import random_companions, random_streaks
-from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable, random_gaps
+from cable_tracker.simulation.rendering.laid_cable import (
+    BuriedStretch,
+    LaidCable,
+    Tube,
+    random_bends,
+    random_gaps,
+)
 from cable_tracker.simulation.rendering.photographs import make_photographed_bed
 from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
 from cable_tracker.simulation.rendering.seabed import make_bed, make_cable
 from cable_tracker.simulation.rendering.texture import TiledTexture
-from cable_tracker.simulation.rendering.tube import Tube, random_bends
+from cable_tracker.simulation.trajectory import Trajectory
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.parameter_table import pixel_scale
 

@@ -24,14 +24,14 @@ from cable_tracker.simulation.cable_scene import (
 )
 from cable_tracker.simulation.dive import SceneSettings, Seeds
 from cable_tracker.simulation.instruments.instruments import USUAL_ERRORS, InstrumentSet
-from cable_tracker.simulation.motion.vehicle import (
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
+from cable_tracker.simulation.settings import WorldSettings
+from cable_tracker.simulation.vehicle import (
     Current,
     Vehicle,
     VehicleState,
     VelocityCommand,
 )
-from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
-from cable_tracker.simulation.settings import WorldSettings
 from cable_tracker.tracking.parameter_table import number
 
 START_ASIDE, START_TURNED = 0.4, math.radians(8.0)

@@ -18,8 +18,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.rendering.camera import chain, rotation_about
 from cable_tracker.simulation.rendering.texture import frequencies, spectral_noise
+from cable_tracker.simulation.worlds.catalogue import Split
 from cable_tracker.simulation.worlds.ground import photographed_texture, photographs_of
-from cable_tracker.simulation.worlds.world import Split
 from map_pictures.ray_casting import BOUNDS, SIDE, SIZE, Scene, Tube, render_scene, unit_vector
 
 EMPTY, FURROWED = 0.2, 0.3

@@ -16,10 +16,9 @@ from cable_tracker.cable.measure.map.map_network import CELL
 from cable_tracker.cable.measure.picture.overlays import without_dead_margins
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
-from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
-from cable_tracker.simulation.worlds.crisp import simulate_strip
-from cable_tracker.simulation.worlds.world import Coat, World
-from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE
+from cable_tracker.simulation.worlds.catalogue import WORLDS, Coat, World
+from cable_tracker.simulation.worlds.strip import simulate_strip
+from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, simulate_world
 from map_pictures.lamplit_scenes import lamplit_frame
 from map_pictures.surface import ANY_ANGLE, ANY_WIDTH
 

@@ -8,7 +8,7 @@ import pytest
 
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 
 @cache

@@ -8,7 +8,7 @@ import pytest
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 GARBAGE = b"no recording \x00\xff" * 50
 

@@ -6,7 +6,7 @@ from cable_tracker.commands.many_runs.cables import tuned_filters
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.report import REPORT
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 
 

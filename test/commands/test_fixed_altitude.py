@@ -8,8 +8,7 @@ import pytest
 
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.open_bag import open_bag
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, write_survey_bag
 
 SECOND = 1_000_000_000
 

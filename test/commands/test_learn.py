@@ -10,7 +10,7 @@ from cable_tracker.evaluation.learning_sources import LearningPlan, describe_ori
 from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 
 FRAMES = 6

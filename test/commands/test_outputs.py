@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from cable_tracker.sequences.bags.convert import write_bag
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 pytestmark = pytest.mark.slow
 

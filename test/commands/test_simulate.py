@@ -9,13 +9,13 @@ from rosbags.highlevel import AnyReader
 from cable_tracker.sequences.labels.sequence_file import read_labels
 from cable_tracker.sequences.labels.target_labels import read_boxes
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.scenarios import catalogue as scenarios
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
-from cable_tracker.simulation.scenarios.scenario_dive import (
+from cable_tracker.simulation import scenarios
+from cable_tracker.simulation.scenario_dive import (
     SimulationSettings,
     simulate,
     simulate_scenario,
 )
+from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 

@@ -7,7 +7,7 @@ from survey_goals import SeaBed, crossings_of
 
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.rendering.clutter import Streak
-from cable_tracker.simulation.rendering.tube import Bend, Tube
+from cable_tracker.simulation.rendering.laid_cable import Bend, Tube
 
 BENT = Tube(0.08, (Bend(1.0, 0.2, 0.3),))
 

@@ -16,11 +16,10 @@ from cable_tracker.evaluation.evaluation_sequences import (
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_chosen
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
-from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import Split, worlds_of
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
-from cable_tracker.simulation.worlds.world import Split
 
 
 @pytest.fixture(scope="module")

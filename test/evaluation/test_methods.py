@@ -10,7 +10,7 @@ from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.tracking.status import TrackingStatus
 
 DETECTORS = ("hough", "segmentation", "lsd", "texture")

@@ -19,9 +19,8 @@ import pytest
 
 from cable_tracker.sequences.labels.target_writer import write_target_pictures
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, write_survey_bag
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
 
 DIVE_LENGTH = 60

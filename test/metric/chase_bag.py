@@ -14,8 +14,8 @@ from cable_tracker.simulation.instruments.instrument_messages import (
     make_imu,
     make_odometry,
 )
-from cable_tracker.simulation.motion.vehicle import VelocityCommand
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld
+from cable_tracker.simulation.vehicle import VelocityCommand
 
 RATE = 12.5
 READINGS = 4

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 
 class Recording:

@@ -31,9 +31,8 @@ from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, write_survey_bag
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 HAS_ROS = importlib.util.find_spec("rclpy") is not None
 MISSING_ROS = (

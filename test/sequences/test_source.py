@@ -17,7 +17,7 @@ from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.videos.video import VideoSource
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 
 @pytest.fixture

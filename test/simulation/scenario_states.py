@@ -5,9 +5,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.simulation.dive import BATCH, frame_times
-from cable_tracker.simulation.scenarios.catalogue import find_scenario
-from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
-from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, scenario_dive
+from cable_tracker.simulation.scenario_dive import SCENARIO_SIZE, scenario_dive
+from cable_tracker.simulation.scenarios import SCENARIO_RATE, find_scenario
 
 
 def scenario_states(

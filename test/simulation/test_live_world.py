@@ -9,7 +9,7 @@ import pytest
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.cable_scene import cable_course
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
-from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
+from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
 
 SMALL = LiveSettings(seed=3, length=20.0, buried=5.0, image_width=64, image_height=48)
 

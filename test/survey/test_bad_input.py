@@ -17,8 +17,8 @@ from rewriting import rewritten, shift
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import OutputError, ParameterError
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
+from cable_tracker.simulation.instruments.survey_dive import write_survey_bag
 from cable_tracker.survey.campaign import names_of, run_survey
 from cable_tracker.survey.frames.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings

@@ -12,8 +12,8 @@ from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
+from cable_tracker.simulation.instruments.survey_dive import write_survey_bag
 from cable_tracker.survey.campaign import (
     RECORDINGS,
     SurveyTask,

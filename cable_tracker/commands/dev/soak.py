@@ -15,7 +15,7 @@ from cable_tracker.commands.console.ros_part import need_ros
 from cable_tracker.commands.console.terminal import advance_to, console, print_table, progress_bar
 from cable_tracker.commands.options.common import ForceOption, parse_size
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.settings import check_size
 from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
 

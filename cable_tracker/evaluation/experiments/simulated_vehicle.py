@@ -17,7 +17,11 @@ from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.dive_ticks import (
+    VehiclePoses,
+    dive_ticks,
+    vehicle_poses_at,
+)
 from cable_tracker.simulation.instruments.instrument_messages import (
     ALTIMETER,
     BASE,
@@ -30,11 +34,9 @@ from cable_tracker.simulation.instruments.instrument_messages import (
 )
 from cable_tracker.simulation.instruments.instrument_writer import Tick
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors, OdometryReading
-from cable_tracker.simulation.instruments.vehicle_poses import VehiclePoses, vehicle_poses_at
 from cable_tracker.simulation.rendering.camera import Camera
-from cable_tracker.simulation.scenarios.catalogue import find_scenario
-from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
-from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, scenario_dive
+from cable_tracker.simulation.scenario_dive import SCENARIO_SIZE, scenario_dive
+from cable_tracker.simulation.scenarios import SCENARIO_RATE, find_scenario
 from cable_tracker.stamps import FIRST_STAMP, stamp_at
 
 LOOK_AHEAD = 0.5

@@ -21,7 +21,7 @@ from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.simulation.instruments.instrument_messages import BASE, CAMERA, make_range
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
-from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
+from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
 
 
 class SimulatorNode(VehicleNode[LiveWorld, SimulatorNodeParameters]):

@@ -19,8 +19,8 @@ from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.sequences.messages.target import make_relative_pose
 from cable_tracker.simulation.instruments.instrument_messages import BASE
-from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, ChaseWorld
+from cable_tracker.simulation.vehicle import VehicleState
 
 
 class TargetSimulatorNode(VehicleNode[ChaseWorld, VehicleNodeParameters]):

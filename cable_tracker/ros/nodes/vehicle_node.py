@@ -32,8 +32,8 @@ from cable_tracker.simulation.instruments.instrument_messages import (
     make_true_odometry,
 )
 from cable_tracker.simulation.live_world import LiveWorld
-from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
 from cable_tracker.simulation.targets.chase import ChaseWorld
+from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 from cable_tracker.tracking.parameter_table import Parameters
 

@@ -21,8 +21,8 @@ from cable_tracker.simulation.instruments.instruments import (
     InstrumentErrors,
     OdometryReading,
 )
-from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.vehicle import VehicleState
 from cable_tracker.tracking.image_frame import image_centre
 
 ODOM, BASE, CAMERA, ALTIMETER = "odom", "base_link", "camera", "altimeter"

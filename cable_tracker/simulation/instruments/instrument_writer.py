@@ -40,8 +40,8 @@ from cable_tracker.simulation.instruments.instruments import (
     ImuReading,
     OdometryReading,
 )
-from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.vehicle import VehicleState
 from cable_tracker.stamps import FIRST_STAMP, stamp_at
 
 ORIGIN = (54.25, 7.9)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotation_of
-from cable_tracker.simulation.motion.vehicle import VehicleState
+from cable_tracker.simulation.vehicle import VehicleState
 
 LEAST_RANGE, MOST_RANGE = 0.1, 50.0
 """Smallest and largest range that the altimeter measures [m]."""

@@ -1,48 +1,65 @@
-"""A vehicle that inspects a cable, with all its instruments, and the truth about the cable.
+"""A vehicle that inspects a cable, with all its instruments, its bag, and the true cable.
 
 The pilot sees where the cable is, buried or not, and keeps over it but for a slow wandering. The
 cable's course belongs to one seed, the dive to another: several dives over one cable differ in
 current, wandering and the errors of all instruments, and see the same sea bed.
 
 World frame as in `vehicle`: x along the general course of the cable, y to its left.
+
+The bag of such a dive holds everything that a vehicle's bag holds. Beside the storage file lie
+`vehicle.yaml`, for what no topic contains, and `truth.json`: the true course of the cable, and the
+built-in events along it.
 """
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.atomic_output import write_bytes
+from cable_tracker.sequences.bags.bag_writer import StorageFormat
+from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.cable_scene import (
     BURIAL_RAMP,
     SCENE_APPEARANCE,
     CableScene,
+    cable_course,
     cable_of_seed,
     cable_points,
     nearest_along,
 )
 from cable_tracker.simulation.dive import SceneSettings, Seeds
 from cable_tracker.simulation.instruments.instrument_messages import CAMERA
-from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
+from cable_tracker.simulation.instruments.instrument_writer import (
+    BEARING,
+    FIX_SIGMA,
+    ORIGIN,
+    Tick,
+    WrittenDive,
+    to_east_north,
+    write_ticks,
+)
 from cable_tracker.simulation.instruments.instruments import (
     USUAL_ERRORS,
     InstrumentSet,
 )
-from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
-from cable_tracker.simulation.motion.vehicle import (
+from cable_tracker.simulation.rendering.appearance import Skin
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, Stretch, Tube
+from cable_tracker.simulation.settings import check_range, check_seed, check_size
+from cable_tracker.simulation.trajectory import Bands, Harmonics
+from cable_tracker.simulation.vehicle import (
     Current,
     Vehicle,
     VelocityCommand,
 )
-from cable_tracker.simulation.rendering.appearance import Skin
-from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, Stretch
-from cable_tracker.simulation.rendering.tube import Tube
-from cable_tracker.simulation.settings import check_range, check_seed, check_size
 from cable_tracker.stamps import stamp_at
 
 TICKS = 4
@@ -65,6 +82,9 @@ CROSSING_RADIUS = 0.06
 
 EXCURSION_RAMP = 4.0
 """Way over which the pilot leaves the cable, and comes back [m]."""
+
+COURSE_STEP = 0.25
+"""Distance between two points of the true course [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,3 +283,58 @@ class SurveyDive:
             fall = (each.end - along) / EXCURSION_RAMP + 1.0
             most = max(most, min(1.0, rise, fall))
         return most * self._settings.excursion
+
+
+def write_survey_bag(
+    path: Path,
+    settings: SurveyDiveSettings,
+    *,
+    storage: StorageFormat = StorageFormat.MCAP,
+    overwrite: bool = False,
+    advance: Callable[[float], None] = lambda way: None,
+) -> WrittenDive:
+    """Simulate a survey dive, and write it into a bag.
+
+    Parameters
+    ----------
+    overwrite : bool
+        Replace a bag that lies at the path.
+    advance : callable
+        Called after each picture with the position along the course [m].
+
+    Raises
+    ------
+    OutputError
+        The bag cannot be written.
+    """
+    dive = SurveyDive(settings)
+    ticks = _reporting(dive.ticks(), advance)
+    written = write_ticks(
+        path, ticks, dive.camera, dive.cable_height, storage=storage, overwrite=overwrite
+    )
+    write_bytes(path / TRUTH_FILE, json.dumps(truth_of(settings)).encode())
+    return written
+
+
+def _reporting(ticks: Iterable[Tick], advance: Callable[[float], None]) -> Iterator[Tick]:
+    """Yield ticks, and call `advance` after each picture with the position along the course [m]."""
+    for tick in ticks:
+        yield tick
+        if tick.frame is not None:
+            advance(float(tick.state.position[0]))
+
+
+def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
+    """Return the content of `truth.json`."""
+    along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
+    course = cable_course(settings.cable_seed, along)[:, :2]
+    return {
+        "origin": ORIGIN,
+        "bearing": BEARING,
+        "along": along.tolist(),
+        "world": course.tolist(),
+        "east_north": to_east_north(course).tolist(),
+        "buried": [[each.start, each.end] for each in settings.buried],
+        "crossings": list(settings.crossings),
+        "excursions": [[each.start, each.end] for each in settings.excursions],
+    }

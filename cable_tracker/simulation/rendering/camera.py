@@ -1,8 +1,12 @@
 """A pinhole camera carried by a vehicle above a flat sea bed.
 
-World frame: x across and y along the general course of the cable, z up, metres; the bottom is
-z = 0. A vehicle at rest looks along y, and a camera that looks straight down then has its image
-axes x and y parallel to those of the world.
+World frame of the renderer: x across to the right and y along the general course of the cable, z
+up, metres; the bottom is z = 0. A vehicle at rest looks along y, and a camera that looks straight
+down then has its image axes x and y parallel to those of the world.
+
+World frame of the vehicle, see `vehicle`: x along the course and y to its left, a quarter turn
+about the vertical. From one to the other axes are exchanged and signs changed, so that nothing is
+rounded.
 
 Camera frame: x to the right of the image, y up, z backwards, so that it looks along -z.
 """
@@ -202,3 +206,15 @@ def chain(first: FloatArray, *others: FloatArray) -> FloatArray:
     for other in others:
         product = np.einsum("nij,njk->nik", product, other)
     return product
+
+
+def from_renderer(vectors: FloatArray) -> FloatArray:
+    """Return vectors of the renderer's world in the vehicle's, shape (..., 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.stack((y, -x, z), axis=-1)
+
+
+def to_renderer(vectors: FloatArray) -> FloatArray:
+    """Return vectors of the vehicle's world in the renderer's, shape (..., 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.stack((-y, x, z), axis=-1)

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.simulation.rendering.laid_cable import Tube
 from cable_tracker.simulation.rendering.texture import smooth_step
-from cable_tracker.simulation.rendering.tube import Tube
 
 SPACING = 18.0
 """Mean distance between two streaks along the cable at full clutter [radii]."""

@@ -12,10 +12,9 @@ from cable_tracker.sequences.pictures.encoded_pictures import after_jpeg
 from cable_tracker.simulation.rendering.appearance import SceneAppearance
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.clutter import Streak, draw_streak, streak_cover
-from cable_tracker.simulation.rendering.laid_cable import CableSkin, LaidCable
+from cable_tracker.simulation.rendering.laid_cable import CableSkin, ClosestApproach, LaidCable
 from cable_tracker.simulation.rendering.seabed import BED_UNIT, CABLE_REACH
 from cable_tracker.simulation.rendering.texture import TiledTexture, in_rows
-from cable_tracker.simulation.rendering.tube import ClosestApproach
 from cable_tracker.simulation.rendering.water import Illumination, Snow, random_lamps
 from cable_tracker.tracking.parameter_table import pixel_scale
 

@@ -15,17 +15,17 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.instruments.instruments import USUAL_ERRORS, InstrumentSet
-from cable_tracker.simulation.motion.vehicle import (
-    Current,
-    Vehicle,
-    VehicleState,
-    VelocityCommand,
-)
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.settings import WorldSettings
 from cable_tracker.simulation.targets.background import TargetBackground, random_background
 from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
 from cable_tracker.simulation.targets.sequence import HAZE
+from cable_tracker.simulation.vehicle import (
+    Current,
+    Vehicle,
+    VehicleState,
+    VelocityCommand,
+)
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 from cable_tracker.tracking.parameter_table import number
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.sequences.pictures.encoded_pictures import after_jpeg
-from cable_tracker.simulation.worlds.world import Disturbance, Optics
+from cable_tracker.simulation.worlds.catalogue import Disturbance, Optics
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 BAR_SHARES = (0.03, 0.16)

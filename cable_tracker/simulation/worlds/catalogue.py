@@ -1,17 +1,214 @@
-"""The built-in worlds, by name: each kind once to tune on and once to report on."""
+"""Worlds: coat and cover of the cable, disturbances and optics; and the built-in ones.
+
+Each built-in kind is there once to tune on and once to report on.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import Enum
 from functools import partial
 from types import MappingProxyType
 
-from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.worlds.motion import MotionKind
-from cable_tracker.simulation.worlds.world import Coat, Cover, Disturbance, Optics, Split, World
-from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, WorldDive
-from cable_tracker.tracking.parameter_table import named
+
+Range = tuple[float, float]
+"""Lowest and highest value, between which a dive draws its own."""
+
+NONE: Range = (0.0, 0.0)
+
+
+class Split(str, Enum):
+    """Purpose of a world. The worlds of the two splits share nothing."""
+
+    TUNE = "tune"
+    """Constants and tables are chosen on it."""
+
+    REPORT = "report"
+    """Nothing is chosen on it: figures in reports come from it."""
+
+    @property
+    def number(self) -> int:
+        """Entropy of the split in the seeds of its dives."""
+        return 1 if self is Split.TUNE else 2
+
+
+@dataclass(frozen=True, slots=True)
+class Cover:
+    """Cover that hides a cable.
+
+    Attributes
+    ----------
+    growth : Range
+        Share of the cable that growth that resembles the bottom covers, 0 to 1; it also stands
+        out over the borders.
+    drift : Range
+        Share of the cable's length along which sand lies over one of its borders, 0 to 1.
+    drift_lengths : Range
+        Length of such a stretch [radii].
+    silt : Range
+        Share of the cable's contrast that a film takes away in some places, 0 to 1.
+    """
+
+    growth: Range = NONE
+    drift: Range = NONE
+    drift_lengths: Range = (4.0, 14.0)
+    silt: Range = NONE
+
+
+@dataclass(frozen=True, slots=True)
+class Coat:
+    """Surface of a cable where nothing covers it.
+
+    Attributes
+    ----------
+    roughness : Range
+        Standard deviation of its own texture over that of the bottom.
+    roundness : Range
+        How much more contrast the middle has than the borders, as a share of the step.
+    limbs : Range
+        How much darker than the line that faces the lamp it gets where it bends away [standard
+        deviations of the bottom].
+    lamp : Range
+        Where that line lies [radii from the axis].
+    armour : Range
+        Contrast of wires around it (to tune on) or of collars on it (to report on) [standard
+        deviations of the bottom].
+    raggedness : Range
+        Standard deviation of its borders from straight lines [radii].
+    """
+
+    roughness: Range = (0.15, 0.6)
+    roundness: Range = (0.0, 0.4)
+    limbs: Range = NONE
+    lamp: Range = NONE
+    armour: Range = NONE
+    raggedness: Range = NONE
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """Disturbances in the picture besides the cable.
+
+    Attributes
+    ----------
+    shadow : float
+        Probability that the cable casts a shadow as dark as a dark cable beside it, 0 to 1.
+    lines : float
+        Ropes, furrows, tracks and rocks in view on average.
+    pairs : float
+        Trenches and pairs of lines in view on average.
+    bars : float
+        Probability of black bars above and below or on both sides, 0 to 1.
+    caption : float
+        Probability of written figures in a corner.
+    vehicle_part : float
+        Probability of a part of the vehicle in view.
+    crosshair : float
+        Probability of a crosshair that a survey display draws across the picture.
+    """
+
+    shadow: float = 0.0
+    lines: float = 0.0
+    pairs: float = 0.0
+    bars: float = 0.0
+    caption: float = 0.0
+    vehicle_part: float = 0.0
+    crosshair: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Optics:
+    """Effects of light, water and camera on the picture.
+
+    Attributes
+    ----------
+    lamps : Range
+        Unevenness of the light of the vehicle's lamps, 0 (even) to 1.
+    sway : Range
+        How far the light of the lamps sways over the picture, as the vehicle heaves and pitches [px
+        at 320 px].
+    vignette : Range
+        Darkening of the corners, 0 to 1.
+    haze : Range
+        Loss of contrast at the far end of the view, 0 to 1.
+    blur : Range
+        Standard deviation of the blur [px at 320 px].
+    noise : Range
+        Standard deviation of the sensor's noise [grey levels].
+    quality : Range or None
+        Quality of the compression, 1 to 100; None: not compressed. Half of the dives are compressed
+        picture by picture, half as differences from the picture before.
+    """
+
+    lamps: Range = (0.0, 0.6)
+    sway: Range = NONE
+    vignette: Range = (0.0, 0.5)
+    haze: Range = (0.0, 0.4)
+    blur: Range = (0.4, 1.2)
+    noise: Range = (1.5, 4.0)
+    quality: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """A kind of dive. Each seed draws one.
+
+    Attributes
+    ----------
+    name : str
+        Begins with the name of its split.
+    description : str
+        Difficulty of the world, in a few words.
+    split : Split
+        Split: the splits have no texture, no seed and no kind of clutter in common.
+    photographed : bool
+        Whether the bottom is made of photographs.
+    motions : tuple of MotionKind
+        One of them is drawn.
+    widths : Range or None
+        See `random_motion`.
+    angles : Range
+        Mean angle, if `widths` are given [deg].
+    contrast : Range
+        Step at the borders over the standard deviation of the bottom, drawn uniformly in its
+        logarithm; half of the cables are dark.
+    turning : float
+        Probability that the cable is bright in places and dark in others.
+    bands : Range or None
+        Length of the bright and dark bands of the cable [radii]; None: it has none.
+    coat : Coat
+        Of the cable.
+    cover : Cover
+        On the cable.
+    disturbance : Disturbance
+        Around it.
+    optics : Optics
+        Before it.
+    has_cable : bool
+        Whether there is any.
+    frame_count : int
+        At `WORLD_RATE`.
+    """
+
+    name: str
+    description: str
+    split: Split
+    photographed: bool = False
+    motions: tuple[MotionKind, ...] = (MotionKind.INSPECTION, MotionKind.LIVELY)
+    widths: Range | None = (10.0, 110.0)
+    angles: Range = (-35.0, 35.0)
+    contrast: Range = (1.8, 5.0)
+    turning: float = 0.0
+    bands: Range | None = None
+    coat: Coat = Coat()
+    cover: Cover = Cover()
+    disturbance: Disturbance = Disturbance()
+    optics: Optics = Optics()
+    has_cable: bool = True
+    frame_count: int = 250
+
 
 _FAINT = (0.7, 3.2)
 _CLEAR = (2.5, 5.5)
@@ -148,29 +345,3 @@ WORLDS: Mapping[str, World] = MappingProxyType({world.name: world for world in _
 def worlds_of(split: Split) -> tuple[World, ...]:
     """Return the worlds of a split."""
     return tuple(world for world in WORLDS.values() if world.split is split)
-
-
-def simulate_world(
-    world: str | World, seed: int = 0, image_size: tuple[int, int] = WORLD_SIZE
-) -> Iterator[SimulatedFrame]:
-    """Yield the frames of a dive through a world at 25 frames per second, always the same.
-
-    Parameters
-    ----------
-    world : str or World
-        One of `WORLDS`, or one's own.
-    seed : int
-        Not negative; each is another dive.
-    image_size : (int, int)
-        Width and height [px].
-
-    Raises
-    ------
-    ParameterError
-        There is no world of that name, the seed is negative, or images cannot have that size.
-    RecordingError
-        The world needs photographs, and there are none.
-    """
-    if isinstance(world, str):
-        world = named("world", world, WORLDS)
-    return WorldDive(world, seed, image_size).frames()

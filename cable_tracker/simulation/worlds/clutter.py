@@ -13,7 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.simulation.rendering.texture import smooth_step
-from cable_tracker.simulation.worlds.world import Split
+from cable_tracker.simulation.worlds.catalogue import Split
 
 SPACING = 260.0
 """Length of one view along the course [texels of the bottom]."""

@@ -24,7 +24,7 @@ from cable_tracker.simulation.rendering.texture import (
     spectral_noise,
     turned,
 )
-from cable_tracker.simulation.worlds.world import Split
+from cable_tracker.simulation.worlds.catalogue import Split
 
 SIDE = 768
 """Rows and columns of a made texture [texels], about pixels of an image 320 px wide."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, STATE_SIZE, WIDTH
-from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
+from cable_tracker.simulation.trajectory import Bands, Harmonics
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 WORLD_RATE = 25.0

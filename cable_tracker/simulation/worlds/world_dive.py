@@ -19,14 +19,15 @@ from cable_tracker.simulation.worlds.cable_appearance import (
     SAND_REACH,
     CableAppearance,
     random_cable_appearance,
+    random_coat,
 )
-from cable_tracker.simulation.worlds.cable_coat import random_coat
 from cable_tracker.simulation.worlds.camera_faults import (
     LossyCodec,
     random_light,
     random_overlay,
     random_sway,
 )
+from cable_tracker.simulation.worlds.catalogue import WORLDS, World
 from cable_tracker.simulation.worlds.clutter import add_clutter, random_clutter
 from cable_tracker.simulation.worlds.ground import random_texture, sample_texture
 from cable_tracker.simulation.worlds.motion import WORLD_RATE, random_motion
@@ -36,9 +37,8 @@ from cable_tracker.simulation.worlds.strip import (
     pixel_grid,
     view_strip,
 )
-from cable_tracker.simulation.worlds.world import World
 from cable_tracker.tracking.image_frame import to_pixel
-from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH, pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH, named, pixel_scale
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
@@ -72,6 +72,32 @@ TRAVEL_SPEED = (10.0, 60.0)
 
 SHADOW_DEPTHS = (1.5, 4.0)
 """Smallest and largest step of a cast shadow [standard deviations of the bottom]."""
+
+
+def simulate_world(
+    world: str | World, seed: int = 0, image_size: tuple[int, int] = WORLD_SIZE
+) -> Iterator[SimulatedFrame]:
+    """Yield the frames of a dive through a world at 25 frames per second, always the same.
+
+    Parameters
+    ----------
+    world : str or World
+        One of `WORLDS`, or one's own.
+    seed : int
+        Not negative; each is another dive.
+    image_size : (int, int)
+        Width and height [px].
+
+    Raises
+    ------
+    ParameterError
+        There is no world of that name, the seed is negative, or images cannot have that size.
+    RecordingError
+        The world needs photographs, and there are none.
+    """
+    if isinstance(world, str):
+        world = named("world", world, WORLDS)
+    return WorldDive(world, seed, image_size).frames()
 
 
 class WorldDive:

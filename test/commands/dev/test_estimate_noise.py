@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
+from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 
 
 @pytest.fixture

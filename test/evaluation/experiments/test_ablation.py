@@ -17,8 +17,7 @@ from cable_tracker.evaluation.experiments.ablation import (
     mean_and_error,
 )
 from cable_tracker.evaluation.runs import Start
-from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.world import Split
+from cable_tracker.simulation.worlds.catalogue import Split, worlds_of
 
 
 def test_every_row_is_a_valid_tracker():

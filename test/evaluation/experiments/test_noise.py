@@ -14,7 +14,7 @@ from cable_tracker.evaluation.experiments.noise import (
     per_reference_frame,
     usual_step,
 )
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
+from cable_tracker.simulation.scenarios import SCENARIOS
 
 THESIS_TABLE = {
     "S1": (16.92, 0.627, 0.26, 0.008),

@@ -18,9 +18,9 @@ from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.odometry.homography import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
+from cable_tracker.simulation.instruments.dive_ticks import twists_at, vehicle_poses_at
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors
-from cable_tracker.simulation.instruments.vehicle_poses import twists_at, vehicle_poses_at
-from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive
+from cable_tracker.simulation.scenario_dive import scenario_dive
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.tracking.status import TrackingStatus
 

@@ -10,7 +10,7 @@ from cable_tracker.evaluation.experiments.strips_experiment import is_found, is_
 from cable_tracker.evaluation.metrics.run_metrics import run_metrics
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import trace_of
-from cable_tracker.simulation.worlds.crisp import STRIP_SKEW, random_strip, simulate_strip
+from cable_tracker.simulation.worlds.strip import STRIP_SKEW, random_strip, simulate_strip
 
 SIZE = (640, 480)
 

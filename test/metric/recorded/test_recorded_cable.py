@@ -11,8 +11,7 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, write_survey_bag
 from cable_tracker.tracking.status import TrackingStatus
 
 

@@ -27,8 +27,7 @@ from cable_tracker.sequences.messages.cable import make_state, report_values
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.tables.estimates import EstimateRow
-from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
-from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, write_survey_bag
 from cable_tracker.tracking.status import REFUSED, TrackingStatus
 
 FRAME = Frame(3, 1_700_000_000_040_000_000, CompressedImage("jpeg", memoryview(b"")))

@@ -8,10 +8,9 @@ from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.dive_ticks import dive_ticks, vehicle_poses_at
 from cable_tracker.simulation.instruments.instrument_writer import write_ticks
-from cable_tracker.simulation.instruments.vehicle_poses import vehicle_poses_at
-from cable_tracker.simulation.scenarios.scenario_dive import (
+from cable_tracker.simulation.scenario_dive import (
     SimulationSettings,
     simulate,
     simulated_dive,

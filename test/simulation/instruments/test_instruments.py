@@ -10,7 +10,7 @@ from cable_tracker.simulation.instruments.instruments import (
     InstrumentErrors,
     InstrumentSet,
 )
-from cable_tracker.simulation.motion.vehicle import VehicleState
+from cable_tracker.simulation.vehicle import VehicleState
 
 PERFECT = InstrumentErrors(*[0.0] * 8)
 

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import cv2
@@ -6,10 +8,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.simulation.rendering.camera import Camera, rotation_about
+from cable_tracker.simulation.rendering.camera import (
+    Camera,
+    from_renderer,
+    rotation_about,
+    to_renderer,
+)
 
 SIZE = (320, 240)
 PLUMB_BOB = (-0.25, 0.08, 0.001, -0.002, 0.0)
+
+VECTORS = np.random.default_rng(1).normal(size=(2, 4, 3))
 
 
 def _vehicle(x=0.0, y=0.0, z=2.0, *, yaw=0.0, pitch=0.0, roll=0.0):
@@ -95,3 +104,13 @@ def test_rotations_keep_their_axis_and_lengths(axis, angle):
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
     assert rotation[axis, axis] == 1.0
     assert np.linalg.det(rotation) == pytest.approx(1.0)
+
+
+def test_along_and_to_the_left_are_the_axes_of_the_vehicle():
+    along, right = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+    assert from_renderer(along).tolist() == [1.0, 0.0, 0.0]
+    assert from_renderer(right).tolist() == [0.0, -1.0, 0.0]
+
+
+def test_there_and_back_loses_no_bit():
+    np.testing.assert_array_equal(to_renderer(from_renderer(VECTORS)), VECTORS)

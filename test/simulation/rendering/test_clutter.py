@@ -12,7 +12,7 @@ from cable_tracker.simulation.rendering.clutter import (
     random_track,
     streak_cover,
 )
-from cable_tracker.simulation.rendering.tube import Bend, Tube
+from cable_tracker.simulation.rendering.laid_cable import Bend, Tube
 
 ROPE = Streak(
     p=0.0, q=10.0, angle=np.pi / 2, half_width=0.5, half_length=5.0,

@@ -5,7 +5,7 @@ import pytest
 from cable_tracker.errors import RecordingError
 from cable_tracker.simulation.rendering.photographs import make_photographed_bed
 from cable_tracker.simulation.rendering.texture import MARGIN
-from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
+from cable_tracker.simulation.scenario_dive import simulate_scenario
 
 pytestmark = pytest.mark.slow
 

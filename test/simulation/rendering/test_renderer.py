@@ -7,14 +7,12 @@ import pytest
 from cable_tracker.benchmark.cases import sample_points
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.simulation.borders import project_tube
-from cable_tracker.simulation.motion.steering import steer
+from cable_tracker.simulation.borders import project_tube, steer
 from cable_tracker.simulation.rendering.appearance import Bottom, SceneAppearance, Skin, Water
 from cable_tracker.simulation.rendering.camera import Camera
-from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable, Tube
 from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
 from cable_tracker.simulation.rendering.seabed import make_bed, make_cable
-from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.tracking.image_frame import image_to_pixel
 
 SIZE = (320, 240)

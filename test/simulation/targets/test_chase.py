@@ -4,7 +4,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cable_tracker.simulation.motion.vehicle import VelocityCommand
 from cable_tracker.simulation.targets.chase import (
     DIAMETER,
     FIRST_DISTANCE,
@@ -12,6 +11,7 @@ from cable_tracker.simulation.targets.chase import (
     ChaseWorld,
     target_size,
 )
+from cable_tracker.simulation.vehicle import VelocityCommand
 
 
 def test_the_target_begins_before_the_camera_at_its_size():

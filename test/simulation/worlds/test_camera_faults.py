@@ -10,7 +10,7 @@ from cable_tracker.simulation.worlds.camera_faults import (
     random_overlay,
     random_sway,
 )
-from cable_tracker.simulation.worlds.world import Disturbance, Optics
+from cable_tracker.simulation.worlds.catalogue import Disturbance, Optics
 
 
 @pytest.fixture

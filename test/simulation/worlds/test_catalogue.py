@@ -8,7 +8,14 @@ import pytest
 
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world, worlds_of
+from cable_tracker.simulation.worlds.catalogue import (
+    WORLDS,
+    Disturbance,
+    Optics,
+    Split,
+    World,
+    worlds_of,
+)
 from cable_tracker.simulation.worlds.ground import (
     FOLDER_VARIABLE,
     KINDS,
@@ -16,7 +23,7 @@ from cable_tracker.simulation.worlds.ground import (
     photographs_folder,
     photographs_of,
 )
-from cable_tracker.simulation.worlds.world import Disturbance, Optics, Split, World
+from cable_tracker.simulation.worlds.world_dive import simulate_world
 
 MADE = [name for name, world in WORLDS.items() if not world.photographed]
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from cable_tracker.simulation.worlds.catalogue import Split
 from cable_tracker.simulation.worlds.clutter import (
     LINES,
     PAIRS,
@@ -11,7 +12,6 @@ from cable_tracker.simulation.worlds.clutter import (
     add_clutter,
     random_clutter,
 )
-from cable_tracker.simulation.worlds.world import Split
 
 
 def test_the_splits_share_no_kind_of_clutter():

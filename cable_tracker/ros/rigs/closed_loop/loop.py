@@ -44,8 +44,7 @@ from cable_tracker.sequences.tables.csv_tables import write_records
 from cable_tracker.simulation.cable_scene import cable_course
 from cable_tracker.simulation.dive import CABLE_RADIUS, MOUNTING
 from cable_tracker.simulation.live_world import LiveSettings
-from cable_tracker.simulation.rendering.laid_cable import Stretch
-from cable_tracker.simulation.rendering.tube import SETTLED
+from cable_tracker.simulation.rendering.laid_cable import SETTLED, Stretch
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.overlay import draw_overlay

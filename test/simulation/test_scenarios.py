@@ -7,9 +7,8 @@ from scenario_states import scenario_states
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.dive import SceneSettings, Seeds, render_dive
-from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
-from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing
-from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive, simulate_scenario
+from cable_tracker.simulation.scenario_dive import scenario_dive, simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIO_RATE, SCENARIOS, Crossing, find_scenario
 
 THESIS_LENGTHS = {"S1": 248, "S2": 499, "S3": 409, "S4": 172, "S5": 171, "S6": 129}
 SMALL = (64, 48)

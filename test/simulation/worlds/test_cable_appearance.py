@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cable_tracker.simulation.worlds.cable_coat import CableCoat, random_coat
-from cable_tracker.simulation.worlds.world import Coat, Split
+from cable_tracker.simulation.worlds.cable_appearance import CableCoat, random_coat
+from cable_tracker.simulation.worlds.catalogue import Coat, Split
 
 PLAIN = CableCoat(
     roughness=0.0,

@@ -17,7 +17,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotation_of
-from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
+from cable_tracker.simulation.trajectory import Bands, Harmonics
 
 AXES = 4
 """Surge, sway, heave, yaw."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.metric.frames import rotation_of
-from cable_tracker.simulation.motion.vehicle import (
+from cable_tracker.simulation.vehicle import (
     Current,
     Vehicle,
     VehicleModel,

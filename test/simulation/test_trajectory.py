@@ -4,14 +4,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.motion.trajectory import Harmonics, Move, Pause, Signal
-from cable_tracker.simulation.scenarios.routes import (
+from cable_tracker.simulation.scenario_dive import (
     ANGLE_LIMIT,
     DISTANCE_LIMIT,
     SKEW_LIMITS,
     WIDTH_LIMITS,
     random_trajectory,
 )
+from cable_tracker.simulation.trajectory import Harmonics, Move, Pause, Signal
 
 SEEDS = st.integers(0, 10_000)
 TIMES = st.floats(0.0, 3600.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.simulation.fading import faded, made_harder
+from cable_tracker.evaluation.learning_sources import faded, made_harder
 from cable_tracker.simulation.worlds.strip import pixel_grid, view_strip
 
 SIZE = (320, 240)

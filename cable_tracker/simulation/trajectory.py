@@ -2,7 +2,7 @@
 
 The motion is prescribed in the image: d, alpha, w and beta are smooth functions of time,
 sums of slow sinusoids and single moves, so that position and velocity are known at every instant.
-`steering` finds the camera poses for it.
+`borders.steer` finds the camera poses for it.
 """
 
 from __future__ import annotations

@@ -6,13 +6,12 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.simulation.scenarios.catalogue import find_scenario
-from cable_tracker.simulation.scenarios.scenario import ComponentMotion, Crossing
-from cable_tracker.simulation.scenarios.scenario_dive import (
+from cable_tracker.simulation.scenario_dive import (
     SimulationSettings,
     simulate,
     simulate_scenario,
 )
+from cable_tracker.simulation.scenarios import ComponentMotion, Crossing, find_scenario
 from cable_tracker.stamps import FIRST_STAMP
 
 SMALL = SimulationSettings(frame_count=4, image_size=(96, 72), seed=11)

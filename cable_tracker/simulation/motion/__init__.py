@@ -1,1 +1,0 @@
-"""How the vehicle, and with it the cable in the image, moves."""
