@@ -1,11 +1,22 @@
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.arrays import eight_bits, interpolated, shares_of, true_runs
+from cable_tracker.arrays import (
+    eight_bits,
+    interpolated,
+    mean_and_covariance,
+    shares_of,
+    sigma_points,
+    true_runs,
+)
 
 KNOWN = np.array([0.0, 2.0, 4.0])
 COLUMNS = np.array([[0.0, 10.0], [2.0, 20.0], [2.0, 40.0]])
+
+MEAN = np.array([100.0, 0.1, -3.0])
+COVARIANCE = np.array([[4.0, 0.002, 0.0], [0.002, 1e-4, 0.001], [0.0, 0.001, 0.5]])
 
 
 def test_grey_levels_are_rounded_and_clipped():
@@ -43,3 +54,21 @@ def test_one_place_gives_one_row():
 def test_shares_sum_to_one_and_are_even_where_there_is_nothing():
     assert shares_of(np.array([1.0, 0.0, 3.0])).tolist() == [0.25, 0.0, 0.75]
     assert shares_of(np.zeros(4)).tolist() == [0.25] * 4
+
+
+def test_the_points_have_the_mean_and_the_covariance():
+    points = sigma_points(MEAN, COVARIANCE)
+    assert points.shape == (6, 3)
+    mean, covariance = mean_and_covariance(points)
+    np.testing.assert_allclose(mean, MEAN)
+    np.testing.assert_allclose(covariance, COVARIANCE, atol=1e-12)
+
+
+def test_a_component_without_doubt_stays_where_it_is():
+    points = sigma_points(MEAN, np.diag([1.0, 0.0, 2.0]))
+    assert (points[:, 1] == 0.1).all()
+
+
+def test_the_mean_of_a_square_is_exact():
+    points = sigma_points(MEAN, COVARIANCE)
+    assert (points[:, 2] ** 2).mean() == pytest.approx(9.0 + 0.5)

@@ -29,7 +29,7 @@ from cable_tracker.commands.options.common import (
     print_notes,
 )
 from cable_tracker.errors import OutputError, RecordingError, read_failure
-from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
+from cable_tracker.metric.recorded_instruments import own_vehicle_file
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_writer import StorageFormat, kept_notes
 from cable_tracker.sequences.bags.convert import ImageFormat, carried_messages, write_bag

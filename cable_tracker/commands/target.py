@@ -45,8 +45,8 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.followed_kinds import TARGET
-from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
-from cable_tracker.metric.recorded.recorded_target import node_values, recorded_target
+from cable_tracker.metric.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.targets.recorded_target import node_values, recorded_target
 from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder

@@ -10,17 +10,16 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
-from cable_tracker.metric.altitude import Altitude
+from cable_tracker.metric.altitude import Altimeter, Altitude
 from cable_tracker.metric.calibration import Calibration, camera_for
-from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
-from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude
+from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
+from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude, mounting_of
 from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.history import History, Reading
 from cable_tracker.metric.instrument_fusion import InstrumentFusion
 from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import SWITCHED_OFF, Odometry
-from cable_tracker.metric.settings import altimeter_of, metric_settings
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE, Instrument
@@ -232,3 +231,17 @@ def _unwrapped(roll: float, before: FloatArray | None) -> float:
     if before is None or not math.isfinite(before[0]) or not math.isfinite(roll):
         return roll
     return roll + math.tau * round((float(before[0]) - roll) / math.tau)
+
+
+def metric_settings(parameters: CableVehicleParameters) -> MetricSettings:
+    """Return the settings of a `CrossTrackMeter`."""
+    return MetricSettings(mounting_of(parameters), parameters.look_ahead, parameters.cable_height)
+
+
+def altimeter_of(parameters: CableVehicleParameters) -> Altimeter:
+    """Return the altimeter that the parameters describe."""
+    return Altimeter(
+        (parameters.altimeter_x, parameters.altimeter_y, parameters.altimeter_z),
+        parameters.altitude_is_vertical,
+        parameters.altitude_sigma,
+    )

@@ -12,7 +12,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.arrays import (
+    BoolArray,
+    FloatArray,
+    IndexArray,
+    mean_and_covariance,
+    sigma_points,
+)
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import (
     points_on_lines,
@@ -27,7 +33,6 @@ from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
-from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 from cable_tracker.metric.withheld import Reason, Withheld
 
 POINTS_PER_LINE = 11

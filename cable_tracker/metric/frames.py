@@ -22,6 +22,11 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
+from cable_tracker.node_parameter_tables import (
+    MOUNTING_PARAMETERS,
+    CableVehicleParameters,
+    TargetVehicleParameters,
+)
 
 UNKNOWN_TILT = math.radians(30.0)
 """An imu that is less sure of roll or pitch does not know them [rad]: instruments say so by a huge
@@ -147,3 +152,38 @@ def roll_and_pitch(x: float, y: float, z: float, w: float) -> tuple[float, float
     roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
     return roll, pitch
+
+
+def mounting_of(parameters: CableVehicleParameters | TargetVehicleParameters) -> Mounting:
+    """Return the mounting that the parameters `camera_*` describe."""
+    return Mounting(
+        parameters.camera_x,
+        parameters.camera_y,
+        parameters.camera_z,
+        math.radians(parameters.camera_roll),
+        math.radians(parameters.camera_pitch),
+        math.radians(parameters.camera_yaw),
+    )
+
+
+def camera_parameters(rotation: FloatArray, position: FloatArray) -> dict[str, object]:
+    """Return the parameters `camera_*` for a camera's optical frame in base_link.
+
+    Parameters
+    ----------
+    rotation : FloatArray
+        From the optical frame to base_link, shape (3, 3).
+    position : FloatArray
+        Position of the camera in base_link, shape (3,) [m].
+    """
+    body = rotation @ OPTICAL_IN_BODY.T
+    pitch = math.asin(max(-1.0, min(1.0, -float(body[2, 0]))))
+    if abs(body[2, 0]) > 1.0 - 1e-9:
+        # Straight down or up: only the sum or difference of roll and yaw is known; all is yaw.
+        roll, yaw = 0.0, math.atan2(-float(body[0, 1]), float(body[1, 1]))
+    else:
+        roll = math.atan2(float(body[2, 1]), float(body[2, 2]))
+        yaw = math.atan2(float(body[1, 0]), float(body[0, 0]))
+    angles = np.degrees([roll, pitch, yaw])
+    values = (float(value) for value in (*position, *angles))
+    return dict(zip(MOUNTING_PARAMETERS, values, strict=True))

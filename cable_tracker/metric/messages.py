@@ -1,12 +1,14 @@
-"""ROS messages of instruments, of cross track, and of a target's bearing and position.
+"""Metres as ROS messages, and as facts in a frame's report; ROS messages of instruments.
 
-Those of rclpy or of rosbags, of ROS 2 or ROS 1.
+Messages are those of rclpy or of rosbags, of ROS 2 or ROS 1. Facts hold metres to the last bit, or
+the reason for their absence.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import fields
 from functools import partial
 
 import numpy as np
@@ -16,6 +18,7 @@ from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude, roll_and_pitch
 from cable_tracker.metric.odometry.motion import UNKNOWN_TURN
+from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
@@ -30,6 +33,25 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
 )
 from cable_tracker.sequences.messages.target import make_bearing, make_relative_pose
+from cable_tracker.sequences.tables.estimates import RowMetres
+
+METRES_KEYS = tuple(field.name for field in fields(RowMetres))
+"""What is known of a cable in metres, as in the table of estimates."""
+
+NO_METRES_KEY = "no_metres"
+"""Why there are no metres."""
+
+BEARING_KEYS = ("bearing_x", "bearing_y", "bearing_z")
+"""Unit vector in the camera's optical frame."""
+
+PLACE_KEYS = ("x", "y", "z", "range", "range_sigma")
+"""Place in base_link, and range from the camera [m]."""
+
+WHY_NOT_KEY = "why_not"
+"""Why there is no position."""
+
+TARGET_METRES_KEYS = (*BEARING_KEYS, *PLACE_KEYS, WHY_NOT_KEY)
+"""All keys of a target's metres, in the order of the table in metres."""
 
 
 def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:
@@ -193,3 +215,61 @@ def relative_messages(
             state.position_covariance(),
         )
     return makers
+
+
+def row_metres(known: CrossTrack) -> RowMetres:
+    """Return a cable's metres for tables and reports."""
+    sigma = known.standard_deviations()
+    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
+
+
+def cable_facts(known: CrossTrack | Withheld) -> dict[str, str]:
+    """Return the facts about one frame, those that are known."""
+    if isinstance(known, Withheld):
+        return {NO_METRES_KEY: str(known)}
+    row = row_metres(known)
+    return {key: repr(getattr(row, key)) for key in METRES_KEYS}
+
+
+def read_row_metres(facts: Mapping[str, str]) -> RowMetres | None:
+    """Return the metres that the facts of a frame hold; None: they hold none."""
+    if not has_metres(facts):
+        return None
+    return RowMetres(*(float(facts[key]) for key in METRES_KEYS))
+
+
+def has_metres(facts: Mapping[str, str]) -> bool:
+    """Tell whether the facts of a frame hold metres."""
+    return METRES_KEYS[0] in facts
+
+
+def target_facts(metres: TargetMetres, camera_position: FloatArray) -> dict[str, str]:
+    """Return the facts about one frame, those that are known.
+
+    Parameters
+    ----------
+    metres : TargetMetres
+        Metric estimate of the target.
+    camera_position : FloatArray
+        Position of the camera in base_link, shape (3,) [m].
+    """
+    facts: dict[str, str] = {}
+    if not isinstance(metres.ray, Withheld):
+        facts |= zip(BEARING_KEYS, (repr(float(value)) for value in metres.ray), strict=True)
+    if isinstance(metres.relative, RelativeState):
+        state = metres.relative
+        numbers = (*(state.position() + camera_position), state.range, state.range_sigma)
+        facts |= zip(PLACE_KEYS, (repr(float(value)) for value in numbers), strict=True)
+    else:
+        facts[WHY_NOT_KEY] = str(metres.relative)
+    return facts
+
+
+def has_bearing(facts: Mapping[str, str]) -> bool:
+    """Tell whether the facts of a frame hold a bearing."""
+    return BEARING_KEYS[0] in facts
+
+
+def has_position(facts: Mapping[str, str]) -> bool:
+    """Tell whether the facts of a frame hold a position."""
+    return PLACE_KEYS[0] in facts

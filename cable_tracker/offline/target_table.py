@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cable_tracker.metric.targets.target_facts import TARGET_METRES_KEYS, WHY_NOT_KEY
+from cable_tracker.metric.messages import TARGET_METRES_KEYS, WHY_NOT_KEY
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.target.model.estimate import Box, TargetEstimate

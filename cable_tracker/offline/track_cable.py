@@ -12,10 +12,9 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.line_pairs import PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.metric.cable_facts import cable_facts, row_metres
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import cross_track_messages
-from cable_tracker.metric.recorded.recorded_cable import RecordedCableInstruments
+from cable_tracker.metric.messages import cable_facts, cross_track_messages, row_metres
+from cable_tracker.metric.recorded_instruments import RecordedCableInstruments
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.sequences import node_topics

@@ -6,10 +6,9 @@ import time
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
-from cable_tracker.metric.messages import relative_messages
-from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
-from cable_tracker.metric.settings import mounting_of
-from cable_tracker.metric.targets.target_facts import target_facts
+from cable_tracker.metric.frames import mounting_of
+from cable_tracker.metric.messages import relative_messages, target_facts
+from cable_tracker.metric.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.offline.target_folder import TargetFolder

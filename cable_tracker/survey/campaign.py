@@ -25,7 +25,7 @@ from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import noting_finished_tasks
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
+from cable_tracker.metric.recorded_instruments import own_vehicle_file
 from cable_tracker.printable import printable
 from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames

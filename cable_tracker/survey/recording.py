@@ -13,7 +13,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.survey.dive_faults import count_rows, find_faults
 from cable_tracker.survey.frames.forward_pass import (

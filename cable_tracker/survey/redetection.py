@@ -19,8 +19,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.metric.calibration import camera_for
 from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.ground_view import GroundView
-from cable_tracker.metric.odometry.homography import move_states
+from cable_tracker.metric.ground_view import GroundView, move_states
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage

@@ -6,16 +6,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import MetricError
+from cable_tracker.metric.cable_instrument_fusion import metric_settings
 from cable_tracker.metric.frames import (
     Attitude,
     Mounting,
+    camera_parameters,
+    mounting_of,
     roll_and_pitch,
     rotation_in_plane,
     rotation_of,
     rotations_of,
 )
+from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 
 ANGLES = st.floats(-1.5, 1.5)
+
+angles = st.floats(-math.pi, math.pi)
 
 
 def test_straight_down_has_the_top_of_the_image_in_front():
@@ -86,3 +92,29 @@ def test_a_rotation_by_yaw_alone_is_one_in_the_plane():
     np.testing.assert_allclose(turned[:2, :2], rotation_in_plane(0.4), atol=1e-15)
     np.testing.assert_array_equal(turned[2], [0.0, 0.0, 1.0])
     assert rotation_in_plane(0.4) @ [1.0, 0.0] == pytest.approx([np.cos(0.4), np.sin(0.4)])
+
+
+@given(roll=angles, pitch=st.floats(-1.5, 1.5), yaw=angles)
+def test_a_mounting_from_tf_looks_where_the_camera_looks(roll, pitch, yaw):
+    rotation = Mounting(roll=roll, pitch=pitch, yaw=yaw).rotation
+    values = camera_parameters(rotation, np.array([0.1, -0.2, 0.3]))
+    mounting = metric_settings(CableVehicleParameters(**values)).mounting
+    np.testing.assert_allclose(mounting.rotation, rotation, atol=1e-6)
+    np.testing.assert_allclose(mounting.position, [0.1, -0.2, 0.3])
+
+
+@given(yaw=angles)
+def test_straight_down_has_a_mounting_too(yaw):
+    rotation = Mounting(pitch=math.pi / 2, yaw=yaw).rotation
+    parameters = CableVehicleParameters(**camera_parameters(rotation, np.zeros(3)))
+    np.testing.assert_allclose(metric_settings(parameters).mounting.rotation, rotation, atol=1e-6)
+
+
+def test_the_defaults_look_straight_down_without_an_altitude():
+    parameters = CableVehicleParameters()
+    assert metric_settings(parameters).mounting.pitch == math.pi / 2
+    assert parameters.fixed_altitude == 0.0
+
+
+def test_a_camera_for_targets_looks_ahead_by_default():
+    assert mounting_of(TargetVehicleParameters(camera_x=0.5)) == Mounting(0.5, pitch=0.0)

@@ -11,13 +11,25 @@ from sensor_msgs.msg import CameraInfo, Imu, Range
 from std_msgs.msg import Header
 
 from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import (
+    METRES_KEYS,
+    NO_METRES_KEY,
+    TARGET_METRES_KEYS,
+    WHY_NOT_KEY,
+    cable_facts,
+    has_bearing,
+    has_metres,
+    has_position,
     make_cross_track,
     read_attitude,
     read_camera_info,
     read_range,
+    read_row_metres,
     read_twist,
     relative_messages,
+    row_metres,
+    target_facts,
 )
 from cable_tracker.metric.targets.relative_state import TargetSighting, begin_relative_state
 from cable_tracker.metric.targets.target_metres import TargetMetres
@@ -30,6 +42,13 @@ from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 
 K = [560.0, 0.0, 321.0, 0.0, 550.0, 238.0, 0.0, 0.0, 1.0]
 P = [500.0, 0.0, 320.0, 0.0, 0.0, 501.0, 239.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+
+KNOWN = CrossTrack(0.1, 0.3, -0.7, 0.06, np.diag([0.02, 0.3, 1e-3, 0.1]), 2.0, -1.5)
+NOT_KNOWN = Withheld(Reason.NO_ALTITUDE, "none has come on altitude")
+
+NO_RANGE = Withheld(Reason.RANGE_UNKNOWN, "the target has not been seen as a whole yet")
+RAY = np.array([0.0, 0.6, 0.8])
+CAMERA_POSITION = np.array([0.5, 0.0, -0.1])
 
 
 def camera_info(**fields: Any) -> CameraInfo:
@@ -174,3 +193,41 @@ class TestTargetInMetres:
         unknown = self.makers_of(TargetMetres(self.RAY, self.NOT_KNOWN))
         assert list(unknown) == [node_topics.BEARING]
         assert self.makers_of(TargetMetres(self.NOT_KNOWN, self.NOT_KNOWN)) == {}
+
+
+def test_what_is_known_is_read_again_to_the_last_bit():
+    facts = cable_facts(KNOWN)
+    assert has_metres(facts)
+    assert list(facts) == list(METRES_KEYS)
+    assert read_row_metres(facts) == row_metres(KNOWN)
+
+
+def test_nothing_known_gives_the_reason_alone():
+    facts = cable_facts(NOT_KNOWN)
+    assert facts == {NO_METRES_KEY: str(NOT_KNOWN)}
+    assert not has_metres(facts)
+    assert read_row_metres(facts) is None
+
+
+def test_what_is_known_is_told_to_the_last_bit():
+    state = begin_relative_state(TargetSighting(0.1, -0.2, 0.05, True), 0.4)
+    facts = target_facts(TargetMetres(RAY, state), CAMERA_POSITION)
+    assert has_bearing(facts)
+    assert has_position(facts)
+    assert list(facts) == [key for key in TARGET_METRES_KEYS if key != WHY_NOT_KEY]
+    assert [float(facts[key]) for key in ("bearing_x", "bearing_y", "bearing_z")] == list(RAY)
+    position = [float(facts[key]) for key in ("x", "y", "z")]
+    assert position == list(state.position() + CAMERA_POSITION)
+    assert float(facts["range"]) == state.range
+
+
+def test_a_bearing_without_a_range_says_why_there_is_no_position():
+    facts = target_facts(TargetMetres(RAY, NO_RANGE), CAMERA_POSITION)
+    assert has_bearing(facts)
+    assert not has_position(facts)
+    assert facts[WHY_NOT_KEY] == str(NO_RANGE)
+
+
+def test_of_a_target_without_metres_the_reason_alone_is_given():
+    facts = target_facts(TargetMetres(NO_RANGE, NO_RANGE), CAMERA_POSITION)
+    assert list(facts) == [WHY_NOT_KEY]

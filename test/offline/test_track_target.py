@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from chase_bag import write_chase_bag
 
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import recorded_target
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
+from cable_tracker.metric.targets.recorded_target import recorded_target
 from cable_tracker.offline.results import ESTIMATES, METRES, WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame

@@ -19,7 +19,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, pair_limits
 from cable_tracker.errors import RecordingError
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import BAG, ESTIMATES, follow_all
 from cable_tracker.offline.track_cable import (

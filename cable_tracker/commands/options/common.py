@@ -13,7 +13,7 @@ from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.console.terminal import console, print_note
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
-from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
+from cable_tracker.metric.recorded_instruments import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import open_chosen
 from cable_tracker.sequences.source_base import ChosenRecording, Source

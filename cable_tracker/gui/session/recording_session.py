@@ -20,8 +20,8 @@ from cable_tracker.gui.session.session_trackers import (
 )
 from cable_tracker.gui.session.task_thread import TaskThread
 from cable_tracker.gui.session.tracked_recording import TrackedRecording
-from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import recorded_target
+from cable_tracker.metric.recorded_instruments import RecordedVehicle, recorded_vehicle
+from cable_tracker.metric.targets.recorded_target import recorded_target
 from cable_tracker.printable import printable
 from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame_access import FrameAccess

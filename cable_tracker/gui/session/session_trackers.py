@@ -16,8 +16,7 @@ from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.session.session import AnySnapshot, AnyStart, CableSnapshot, TargetSnapshot
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
-from cable_tracker.metric.recorded.recorded_cable import RecordedCableInstruments
-from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.recorded_instruments import RecordedCableInstruments, RecordedInstruments
 from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline import target_table, track_cable

@@ -1,9 +1,10 @@
-"""Whether the filters use the vehicle's motion: only while it agrees with the picture."""
+"""Whether the filters use the vehicle's motion: only while it agrees with picture and cable."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,16 +14,17 @@ from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.errors import MetricError, one_line
 from cable_tracker.libraries import REFUSALS
-from cable_tracker.metric.ground_view import GroundView
-from cable_tracker.metric.odometry.agreement_gate import AgreementGate
-from cable_tracker.metric.odometry.homography import (
+from cable_tracker.metric.ground_view import (
+    GroundView,
     PlaneMotion,
     homography,
     move_states,
     prediction_covariance,
 )
 from cable_tracker.metric.odometry.motion import (
+    CABLE_DISAGREES,
     FIRST_FRAME,
+    NOT_PROVED,
     TEXTURE_DISAGREES,
     Odometry,
     Unaided,
@@ -44,6 +46,24 @@ CHECKED = 2
 UNKNOWN_PER_PIXEL = np.array([1.0, 1.0 / 60.0, 1.0, 1.0 / 60.0])
 """Standard deviations of d, alpha, w, beta for each pixel of the corners' median error: 60 px from
 the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
+
+WINDOW = 12
+"""Frames over which predicted and observed motion are compared."""
+
+FEWEST = 5
+"""Smallest number of frames for a judgement."""
+
+LARGEST_DRIFT = 4.0
+"""Largest drift of predictions over the window [standard deviations]."""
+
+LARGEST_STEP = 2.0
+"""Largest error of predictions in half of the frames [standard deviations]."""
+
+AGREEMENT = 0.6
+"""Share of both limits below which there is agreement."""
+
+CALM_FRAMES = 15
+"""Number of frames in a row with agreement before the filter is aided."""
 
 
 class MotionAiding:
@@ -202,3 +222,76 @@ def _widened(motion: PlaneMotion, excess: float, image_width: int) -> PlaneMotio
     """Count by how much the picture shows a prediction to be off as unknown."""
     more = excess * UNKNOWN_PER_PIXEL * pose_units(pixel_scale(image_width))
     return replace(motion, pose_sigmas=np.hypot(motion.pose_sigmas, more))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """One frame: what it showed beside what was predicted of d and alpha.
+
+    `residual` (2,), `unknown` (2,) variances of the prediction, `observed` (2,) of the estimates.
+    """
+
+    residual: FloatArray
+    unknown: FloatArray
+    observed: FloatArray
+
+
+class AgreementGate:
+    """Compares predicted with observed motion, and says whether predictions may be used.
+
+    Closed at first: odometry has to prove itself. Two medians are watched, which one frame in which
+    the filter jumps does not move. That of the residuals, times their number, is how far the
+    predictions have drifted off: a velocity that is always wrong shows in it, also while the filter
+    is drawn along. That of their sizes shows a motion that is missed and swings to and fro.
+    """
+
+    def __init__(self) -> None:
+        self._steps: deque[_Step] = deque(maxlen=WINDOW)
+        self._calm = 0
+        self._open = False
+        self._proved_wrong = False
+
+    @property
+    def doubt(self) -> Unaided | None:
+        """Why predictions may not be used; None if they may."""
+        if self._open:
+            return None
+        return CABLE_DISAGREES if self._proved_wrong else NOT_PROVED
+
+    def interrupt(self) -> None:
+        """Note that a frame could not be compared: drift does not add up across it."""
+        self._steps.clear()
+
+    def compare(self, residual: FloatArray, unknown: FloatArray, observed: FloatArray) -> None:
+        """Take one frame into account.
+
+        Parameters
+        ----------
+        residual : FloatArray
+            Observed minus predicted d and alpha, shape (2,) [px, rad].
+        unknown : FloatArray
+            Variances of the prediction, shape (2,).
+        observed : FloatArray
+            Variances of the estimate, shape (2,).
+        """
+        self._steps.append(_Step(residual, unknown, observed))
+        disagreement = self.disagreement()
+        if disagreement is None:
+            return
+        self._calm = self._calm + 1 if disagreement < AGREEMENT else 0
+        if disagreement > 1.0:
+            self._open, self._proved_wrong = False, True
+        elif not self._open and self._calm >= CALM_FRAMES:
+            self._open, self._proved_wrong = True, False
+
+    def disagreement(self) -> float | None:
+        """Return by how much the predictions are off, 1 at the limit; None: not known."""
+        count = len(self._steps)
+        if count < FEWEST:
+            return None
+        residuals = np.array([step.residual for step in self._steps])
+        unknown = np.array([step.unknown for step in self._steps])
+        ends = self._steps[0].observed + self._steps[-1].observed
+        drift = count * np.abs(np.median(residuals, axis=0)) / np.sqrt(unknown.sum(axis=0) + ends)
+        step = np.median(np.abs(residuals) / np.sqrt(unknown), axis=0)
+        return float(max(drift.max() / LARGEST_DRIFT, step.max() / LARGEST_STEP))

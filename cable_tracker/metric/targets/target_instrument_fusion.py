@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
+from cable_tracker.metric.frames import mounting_of
 from cable_tracker.metric.instrument_fusion import InstrumentFusion
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
 from cable_tracker.metric.odometry.motion import (
@@ -16,7 +17,6 @@ from cable_tracker.metric.odometry.motion import (
     Unaided,
     moved_between,
 )
-from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.target_metres import TargetMetres, TargetRange, turn_of_picture
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument

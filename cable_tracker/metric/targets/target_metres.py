@@ -14,9 +14,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.calibration import CameraModel
-from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
+from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting, mounting_of
 from cable_tracker.metric.odometry.motion import PoseChange, Unaided
-from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.relative_state import (
     RelativeState,
     TargetSighting,

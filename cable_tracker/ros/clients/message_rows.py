@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from cable_tracker.metric.cable_facts import NO_METRES_KEY, read_row_metres
+from cable_tracker.metric.messages import NO_METRES_KEY, read_row_metres
 from cable_tracker.offline.target_table import TargetClaim, TargetRow
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.factory import Message

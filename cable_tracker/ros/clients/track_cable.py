@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
+from cable_tracker.metric.recorded_instruments import RecordedVehicle
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.ros.clients.lockstep import (
     EVERY_MEASUREMENT,

@@ -6,8 +6,7 @@ there is to wait for.
 
 from __future__ import annotations
 
-from cable_tracker.metric.cable_facts import has_metres
-from cable_tracker.metric.targets.target_facts import has_bearing, has_position
+from cable_tracker.metric.messages import has_bearing, has_metres, has_position
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_facts, report_status

@@ -15,8 +15,7 @@ from sensor_msgs.msg import CameraInfo, JointState
 
 from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_instruments import InstrumentFeed
+from cable_tracker.metric.recorded_instruments import InstrumentFeed, recorded_vehicle
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class

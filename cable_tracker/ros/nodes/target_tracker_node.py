@@ -9,9 +9,8 @@ from typing import Any
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
-from cable_tracker.metric.messages import relative_messages
-from cable_tracker.metric.settings import mounting_of
-from cable_tracker.metric.targets.target_facts import target_facts
+from cable_tracker.metric.frames import mounting_of
+from cable_tracker.metric.messages import relative_messages, target_facts
 from cable_tracker.node_parameter_tables import (
     TARGET_RUNTIME_PARAMETERS,
     TargetRuntimeParameters,

@@ -18,9 +18,8 @@ from cable_tracker.cable.parameters.parameters import (
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import FrameError
-from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import cross_track_messages
+from cable_tracker.metric.messages import cable_facts, cross_track_messages
 from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,
     CableVehicleParameters,

@@ -18,7 +18,7 @@ from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.motion import LONGEST_STEP
-from cable_tracker.metric.recorded.recorded_cable import (
+from cable_tracker.metric.recorded_instruments import (
     Pauses,
     RecordedCableInstruments,
     RecordedVehicle,

@@ -16,7 +16,7 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
 )
 from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.odometry.homography import homography, move_states
+from cable_tracker.metric.ground_view import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
 from cable_tracker.simulation.instruments.dive_ticks import twists_at, vehicle_poses_at
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors

@@ -21,7 +21,7 @@ from cable_tracker.gui.session.recording_session import RecordingRequest, Record
 from cable_tracker.gui.session.tracked_recording import LONGEST_RUN
 from cable_tracker.gui.tracking.commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import ESTIMATES, WantedResults, follow_all

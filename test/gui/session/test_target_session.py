@@ -14,8 +14,8 @@ from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.gui.session.recording_session import RecordingRequest, RecordingSession
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking.shared_session import SharedSession, start_with_box
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import recorded_target
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
+from cable_tracker.metric.targets.recorded_target import recorded_target
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame

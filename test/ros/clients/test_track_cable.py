@@ -13,8 +13,8 @@ from rosbags.highlevel import AnyReader
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.messages import cable_facts
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.results import BAG
 from cable_tracker.offline.track_cable import row_of

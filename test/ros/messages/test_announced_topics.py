@@ -4,8 +4,7 @@ from typing import Any
 
 import pytest
 
-from cable_tracker.metric.cable_facts import METRES_KEYS
-from cable_tracker.metric.targets.target_facts import BEARING_KEYS, PLACE_KEYS
+from cable_tracker.metric.messages import BEARING_KEYS, METRES_KEYS, PLACE_KEYS
 from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages

@@ -26,7 +26,7 @@ from sensor_msgs.msg import (
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.node_parameter_tables import ReplayStartParameters
 from cable_tracker.ros import endpoints, qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node, replay_subscribers

@@ -4,7 +4,7 @@ import pytest
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.evaluation.experiments.simulated_vehicle import cables_below
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.source import open_source

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import OutputError, ParameterError
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
 from cable_tracker.sequences.source import open_source

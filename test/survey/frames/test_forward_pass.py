@@ -5,8 +5,8 @@ import pytest
 from survey_dives import DISK
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
-from cable_tracker.metric.recorded.vehicle import VehicleDescription
+from cable_tracker.metric.recorded_instruments import RecordedVehicle
+from cable_tracker.metric.vehicle_description import VehicleDescription
 from cable_tracker.survey.frames.forward_pass import (
     UNSAID_FIX_VARIANCE,
     ForwardDive,
@@ -25,7 +25,7 @@ def run(monkeypatch):
 
     def ask(times, most_rate=5.0, aided=True):
         monkeypatch.setattr(
-            "cable_tracker.metric.recorded.recorded_cable.RecordedCableInstruments.is_aided",
+            "cable_tracker.metric.recorded_instruments.RecordedCableInstruments.is_aided",
             property(lambda own: aided),
         )
         settings = ForwardSettings(most_rate=most_rate)

@@ -8,15 +8,15 @@ import pytest
 from chase_bag import write_chase_bag
 
 from cable_tracker.evaluation.targets.metrics import overlap
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import (
+from cable_tracker.metric.recorded_instruments import recorded_vehicle
+from cable_tracker.metric.targets.recorded_target import (
     LONGEST_WAIT,
     node_values,
     recorded_target,
     target_parameters,
 )
-from cable_tracker.metric.recorded.vehicle import VehicleDescription
 from cable_tracker.metric.targets.relative_state import RelativeState
+from cable_tracker.metric.vehicle_description import VehicleDescription
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.sequences.encodings import decode_bgr

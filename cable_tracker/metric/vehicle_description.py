@@ -17,7 +17,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.settings import camera_parameters
+from cable_tracker.metric.frames import camera_parameters
 from cable_tracker.node_parameter_tables import MOUNTING_PARAMETERS, CableVehicleParameters
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import Instrument

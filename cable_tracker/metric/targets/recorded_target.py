@@ -5,10 +5,13 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
-from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
-from cable_tracker.metric.recorded.recorded_instruments import InstrumentFeed, RecordedInstruments
-from cable_tracker.metric.recorded.vehicle import VehicleDescription
+from cable_tracker.metric.recorded_instruments import (
+    InstrumentFeed,
+    RecordedInstruments,
+    RecordedVehicle,
+)
 from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
+from cable_tracker.metric.vehicle_description import VehicleDescription
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.tracking.parameter_table import ParameterValue, parameter_table

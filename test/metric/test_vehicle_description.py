@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, rotation_of
-from cable_tracker.metric.recorded.vehicle import describe_vehicle, read_vehicle_file
+from cable_tracker.metric.vehicle_description import describe_vehicle, read_vehicle_file
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.static_transforms import StaticTransform
 
