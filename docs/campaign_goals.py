@@ -27,7 +27,7 @@ from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.simulation.instruments.survey_dive import write_survey_bag
 from cable_tracker.survey.campaign import SurveyTask
-from cable_tracker.survey.frames.forward_pass import ForwardSettings
+from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 
 RATE = 25.0

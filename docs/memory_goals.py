@@ -20,8 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import PROFILE_BINS, TRACKING
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import PROFILE_BINS, TRACKING
 from cable_tracker.survey.memory_mapped import BLOCK, Disk
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.recording import SurveySettings, analyse

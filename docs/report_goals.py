@@ -19,10 +19,10 @@ import numpy as np
 
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.outputs.maps import SurveyMap
-from cable_tracker.survey.outputs.pictures import JPEG_QUALITY
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
+from cable_tracker.survey.recording import JPEG_QUALITY
 from cable_tracker.survey.routes.events import Event, EventKind
-from cable_tracker.survey.routes.merged_route import MergedRoute
+from cable_tracker.survey.routes.merging import MergedRoute
 from cable_tracker.survey.routes.route import SPACING
 
 NAME = "dive"

@@ -29,14 +29,14 @@ from cable_tracker.simulation.instruments.survey_dive import (
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.simulation.rendering.clutter import Streak
 from cable_tracker.simulation.rendering.laid_cable import Stretch, Tube
-from cable_tracker.survey.frames.forward_pass import read_pose, track_forwards
+from cable_tracker.survey.curve_filter import SmoothedCable
+from cable_tracker.survey.forward_pass import read_pose, track_forwards
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.dive_route import DiveRoute
 from cable_tracker.survey.routes.events import Event, EventKind
 from cable_tracker.survey.routes.route import Course
-from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
-from cable_tracker.survey.smoothing.smoother import smooth
+from cable_tracker.survey.smoother import smooth
 
 TRUTH_TOPIC = "/ground_truth/odometry"
 REGION = 1.96

@@ -101,7 +101,8 @@ ORDER_WITHIN = {
         "scenarios", "scenario_dive", "worlds", "instruments", "live_world", "targets",
     ],
     "survey": [
-        "memory_mapped", "frames", "navigation", "smoothing", "routes", "redetection", "outputs",
+        "memory_mapped", "frame_table", "picture_measurements", "forward_pass", "trajectory",
+        "georeference", "keyframes", "curve_filter", "smoother", "routes", "redetection", "outputs",
         "dive_faults", "recording", "campaign",
     ],
 }  # fmt: skip

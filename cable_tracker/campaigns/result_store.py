@@ -19,7 +19,6 @@ from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file, output_folder
 from cable_tracker.campaigns.folder_tasks import is_result
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
-from cable_tracker.campaigns.stopping import noting_finished_tasks
 from cable_tracker.errors import OutputError, write_failure
 
 STORE = "tasks"
@@ -40,6 +39,25 @@ ARRAYS = {
     ("numpy.core.numeric", "_frombuffer"),
 }
 """Classes that stored results may be made of besides those of this package."""
+
+
+@contextmanager
+def noting_finished_tasks(place: Path, finished: Callable[[], int]) -> Iterator[None]:
+    """Add a note to the exception that stops the work inside, if tasks are finished by then.
+
+    Only signals and failures to write get the note. Other errors say themselves what is
+    wrong. `finished` counts the tasks that need not be done again.
+    """
+    try:
+        yield
+    except BaseException as stop:
+        if isinstance(stop, Exception) and not isinstance(stop, OutputError | OSError):
+            raise
+        count = finished()
+        if count:
+            tasks = "1 finished task is" if count == 1 else f"{count} finished tasks are"
+            stop.add_note(f"{tasks} kept in {place}; --resume goes on from there")
+        raise
 
 
 def fingerprint_of(task: object) -> str:

@@ -88,7 +88,7 @@ def _run_calls(
     elif calls:
         # Dask takes a second to import, which a single process need not wait for.
         try:
-            from cable_tracker.campaigns.cluster_runner import run_on_cluster  # noqa: PLC0415
+            from cable_tracker.campaigns.cluster import run_on_cluster  # noqa: PLC0415
         except ModuleNotFoundError as error:
             raise ResourceError(
                 f"several runs at once need Dask (no module {error.name}); run `pip install dask"

@@ -39,15 +39,14 @@ from cable_tracker.commands.options.many_runs import (
     seeds_from,
 )
 from cable_tracker.commands.options.parameters import ValueOption
-from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
+    LabelledRecording,
     RecordingSequence,
     available_sequences,
 )
-from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
-from cable_tracker.evaluation.runs import Start
+from cable_tracker.evaluation.runs import Campaign, Start
 from cable_tracker.evaluation.targets.comparison import TargetCampaign
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget, TargetSequence
 

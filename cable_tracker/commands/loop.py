@@ -36,7 +36,7 @@ from cable_tracker.commands.options.many_runs import (
     seeds_from,
 )
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
+from cable_tracker.evaluation.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.tracking.parameter_files import read_parameter_file

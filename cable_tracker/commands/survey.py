@@ -42,7 +42,7 @@ from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.survey.campaign import REPORT, SurveyResult, holds_survey, run_survey
-from cable_tracker.survey.frames.forward_pass import MOST_RATE, ForwardSettings
+from cable_tracker.survey.forward_pass import MOST_RATE, ForwardSettings
 from cable_tracker.survey.outputs.surveyed_dive import RECORDINGS
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.survey.routes.events import Limits

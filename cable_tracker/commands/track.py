@@ -64,7 +64,7 @@ from cable_tracker.commands.options.parameters import (
 )
 from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
+from cable_tracker.evaluation.errors import ErrorSummary, summarise_errors
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.metric.recorded_instruments import RecordedCableInstruments
 from cable_tracker.offline.advice import advice

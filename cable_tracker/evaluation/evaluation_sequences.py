@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import fnmatch
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.evaluation.labelled_recording import LabelledRecording
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.sequences.source import open_chosen
+from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario_dive import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
@@ -31,6 +32,49 @@ THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 
 STRIP_FRAMES = 10
 """Number of frames of a crisp strip."""
+
+
+@dataclass(frozen=True, slots=True)
+class LabelledRecording(ChosenRecording):
+    """A recording with labels, the same for every seed.
+
+    Attributes
+    ----------
+    unlabelled_is_empty : bool
+        Whether a frame without a label shows nothing to track. Otherwise it is not judged.
+    """
+
+    unlabelled_is_empty: bool = field(default=False, kw_only=True)
+
+    @property
+    def name(self) -> str:
+        """The name of the file or folder."""
+        return self.path.resolve().name
+
+    def decoded(
+        self, frame: Frame, decode: Callable[[RawImage | CompressedImage], Image]
+    ) -> Image | None:
+        """Return the pixels of a frame; None for a bad one where such frames are left out.
+
+        Raises
+        ------
+        RecordingError
+            It cannot be decoded, and the user did not ask to go on.
+        """
+        try:
+            return decode(frame.image)
+        except FrameError as error:
+            if self.skip_bad_frames:
+                return None
+            raise RecordingError(
+                f"{self.path}: frame {frame.index} cannot be decoded ({error});"
+                " --skip-bad-frames leaves such frames out"
+            ) from error
+
+    def files(self) -> list[Path]:
+        """Return the paths that it is read from: files or a folder, and the labels."""
+        labels = [] if self.truth is None else [self.truth]
+        return [*recording_files(self.path), *labels]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.cable.model.state import ANGLE, POSE_COMPONENTS, POSE_SIZE
-from cable_tracker.evaluation.metrics.consistency import coverage
+from cable_tracker.evaluation.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult, chosen, methods_of
 from cable_tracker.evaluation.sample_statistics import percentages
 from cable_tracker.evaluation.trace import Trace

@@ -17,8 +17,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.detection.baselines.detectors import DETECTORS
-from cable_tracker.evaluation.baselines import DetectorTracker
-from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
+from cable_tracker.evaluation.baselines import DetectorTracker, FourSigmas, KalmanNoise
 from cable_tracker.trackers import make_tracker
 
 

@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import wrapped_estimate
 from cable_tracker.cable.model.state import POSE_SIZE, WIDTH, CableState
-from cable_tracker.evaluation.failure_criteria import forgiven_distances, is_off_cable
+from cable_tracker.evaluation.errors import forgiven_distances, is_off_cable
 from cable_tracker.sequences.labels.sequence_file import APART
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import TrackingStatus

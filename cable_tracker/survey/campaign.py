@@ -20,9 +20,9 @@ from cable_tracker.campaigns.folder_tasks import (
     is_done,
     is_result,
 )
+from cable_tracker.campaigns.result_store import noting_finished_tasks
 from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.campaigns.stopping import noting_finished_tasks
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded_instruments import own_vehicle_file
@@ -42,8 +42,7 @@ from cable_tracker.survey.outputs.surveyed_dive import (
     read_surveyed,
 )
 from cable_tracker.survey.recording import SurveySettings, find_datum, survey_recording
-from cable_tracker.survey.routes.merged_route import MergedRoute
-from cable_tracker.survey.routes.merging import merge
+from cable_tracker.survey.routes.merging import MergedRoute, merge
 
 REPORT = "report.html"
 OWN_NAMES = frozenset({FRAMES, ROUTES, SUMMARY, PICTURES, MARKER})

@@ -8,10 +8,10 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import REFUSED, TRACKING
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.trajectory import LONGEST_GAP, Trajectory
+from cable_tracker.survey.trajectory import LONGEST_GAP, Trajectory
 from cable_tracker.tracking import succession
 
 

@@ -1,4 +1,4 @@
-"""Survey of one recording: its routes and events, and the folder that holds them."""
+"""Survey of one recording: routes and events, and the folder that holds them, with pictures."""
 
 from __future__ import annotations
 
@@ -8,37 +8,41 @@ from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.errors import ParameterError, RecordingError, write_failure
+from cable_tracker.errors import FrameError, ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.pictures.encoded_pictures import jpeg_bytes
+from cable_tracker.sequences.pictures.shown_levels import decode_shown
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.survey.dive_faults import count_rows, find_faults
-from cable_tracker.survey.frames.forward_pass import (
+from cable_tracker.survey.forward_pass import (
     ForwardDive,
     ForwardSettings,
     read_fix,
     track_forwards,
 )
-from cable_tracker.survey.frames.frame_table import REFUSED, TRACKING
+from cable_tracker.survey.frame_table import REFUSED, TRACKING
+from cable_tracker.survey.georeference import Georeference, georeference
+from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.georeference import Georeference, georeference
-from cable_tracker.survey.navigation.trajectory import (
+from cable_tracker.survey.outputs.frames import FRAMES, write_frames
+from cable_tracker.survey.outputs.surveyed_dive import PICTURES, Origin, SurveyedDive, write_summary
+from cable_tracker.survey.redetection import redetect_cable
+from cable_tracker.survey.routes.events import Event, EventKind, Limits, find_events
+from cable_tracker.survey.routes.merging import PlacedRoute
+from cable_tracker.survey.routes.route import Course, make_routes
+from cable_tracker.survey.smoother import smooth
+from cable_tracker.survey.trajectory import (
     Trajectory,
     joined_trajectory,
     poses_of_rows,
 )
-from cable_tracker.survey.outputs.frames import FRAMES, write_frames
-from cable_tracker.survey.outputs.pictures import write_pictures
-from cable_tracker.survey.outputs.surveyed_dive import PICTURES, Origin, SurveyedDive, write_summary
-from cable_tracker.survey.redetection import redetect_cable
-from cable_tracker.survey.routes.events import Event, EventKind, Limits, find_events
-from cable_tracker.survey.routes.merged_route import PlacedRoute
-from cable_tracker.survey.routes.route import Course, make_routes
-from cable_tracker.survey.smoothing.keyframes import make_keyframes
-from cable_tracker.survey.smoothing.smoother import smooth
 
 FARTHEST_DATUM = 100e3
 """Distance of a dive from the datum up to which a plane serves: there 1e-4 of a length is lost [m].
@@ -46,6 +50,11 @@ FARTHEST_DATUM = 100e3
 
 FIRST_FIXES = 100
 """Number of fixes among which the datum is chosen."""
+
+THUMBNAIL = 240
+"""Width of the pictures of events [px]."""
+
+JPEG_QUALITY = 75
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,3 +245,36 @@ def _events_in_time(dive: ForwardDive) -> list[Event]:
         ]  # fmt: skip
         before = int(claimed[-1]) if len(claimed) else before
     return events
+
+
+def write_pictures(recording: Source, folder: Path, surveyed: SurveyedDive) -> None:
+    """Keep small pictures of the frames of each event.
+
+    Of its end, too: along the cable the other way that is where it begins.
+    """
+    events = [*surveyed.events, *(each for placed in surveyed.routes for each in placed.events)]
+    wanted = {frame for each in events for frame in (each.frame, each.end_frame) if frame >= 0}
+    if not wanted:
+        return
+    folder.mkdir(exist_ok=True)
+    last = max(wanted)
+    try:
+        for frame in recording.frames(min(wanted)):
+            if frame.index in wanted:
+                _write_thumbnail(folder / f"{frame.index}.jpg", frame)
+            if frame.index >= last:
+                return
+    except RecordingError:
+        # Where it breaks off stands in the notes already.
+        return
+
+
+def _write_thumbnail(path: Path, frame: Frame) -> None:
+    """Write a small picture of a frame; nothing if it cannot be decoded."""
+    try:
+        picture = decode_shown(frame.image)
+    except FrameError:
+        return
+    height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))
+    small = cv2.resize(picture, (THUMBNAIL, height), interpolation=cv2.INTER_AREA)
+    path.write_bytes(jpeg_bytes(small, JPEG_QUALITY))

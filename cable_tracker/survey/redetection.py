@@ -23,20 +23,19 @@ from cable_tracker.metric.ground_view import GroundView, move_states
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_metres import write_profile
-from cable_tracker.survey.frames.frame_table import (
+from cable_tracker.survey.curve_filter import SmoothedCable
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import (
     HIDDEN,
     NOT_AGAIN,
     SEEN,
     TRACKING,
     FrameRow,
 )
-from cable_tracker.survey.frames.visibility import border_step_of, find_beside
+from cable_tracker.survey.picture_measurements import border_step_of, find_beside, write_profile
 from cable_tracker.survey.routes.profile import LEAST_WEIGHT
 from cable_tracker.survey.routes.route import Course
-from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
-from cable_tracker.survey.smoothing.smoother import SURE_ENOUGH
+from cable_tracker.survey.smoother import SURE_ENOUGH
 
 REACH = 2.0
 """Distance to either side of its smoothed place within which the cable is looked for [standard

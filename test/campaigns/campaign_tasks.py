@@ -104,6 +104,6 @@ def done_elsewhere(task: Square, *_arguments: object) -> str:
 
 def become_another_version() -> None:
     """Make a worker process one of another version of the package."""
-    from cable_tracker.campaigns import cluster, cluster_runner  # noqa: PLC0415
+    from cable_tracker.campaigns import cluster  # noqa: PLC0415
 
-    cluster.__version__ = cluster_runner.__version__ = "0.0.9"
+    cluster.__version__ = "0.0.9"

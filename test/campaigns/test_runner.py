@@ -1,4 +1,4 @@
-"""With several processes: test_cluster_runner.py."""
+"""With several processes: test_cluster.py."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_what_stops_a_task_reaches_the_caller():
 
 
 def test_several_workers_without_dask_are_refused_with_what_to_do(monkeypatch):
-    monkeypatch.delitem(sys.modules, "cable_tracker.campaigns.cluster_runner", raising=False)
+    monkeypatch.delitem(sys.modules, "cable_tracker.campaigns.cluster", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ResourceError, match="pip install dask distributed"):
         run_all([Doubling(1), Doubling(2)], CampaignSettings(ClusterSettings(2)))

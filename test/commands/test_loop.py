@@ -10,8 +10,14 @@ from cable_tracker.commands import loop as loop_command
 from cable_tracker.commands.loop import verdict_on
 from cable_tracker.commands.many_runs.loops import follow_several
 from cable_tracker.errors import OutputError
-from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS, LoopOutcome
-from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, LoopSummary, read_summary
+from cable_tracker.evaluation.loop_table import (
+    METHODS_TABLE,
+    RUNS,
+    SUMMARY,
+    LoopOutcome,
+    LoopSummary,
+    read_summary,
+)
 
 pytest.importorskip("rclpy")
 

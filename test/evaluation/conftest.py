@@ -11,9 +11,8 @@ import pytest
 
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, EvaluationSequence
-from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.runs import Campaign, RunResult, Start, evaluate_methods
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.labels.sequence_file import APART
 from cable_tracker.tracking.status import TrackingStatus

@@ -6,9 +6,8 @@ import pytest
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.failure_criteria import is_off_cable
+from cable_tracker.evaluation.errors import is_off_cable, state_errors
 from cable_tracker.evaluation.methods import METHODS
-from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.scenario_dive import SimulationSettings, simulate
 from cable_tracker.tracking.status import TrackingStatus

@@ -13,8 +13,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.line_pairs import DEFAULT_LIMITS
-from cable_tracker.evaluation.failure_criteria import is_off_cable
-from cable_tracker.evaluation.metrics.errors import state_errors
+from cable_tracker.evaluation.errors import is_off_cable, state_errors
 from cable_tracker.offline.track_cable import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source

@@ -1,20 +1,27 @@
 import base64
+import csv
+import io
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
-from cable_tracker.evaluation.csv_files import CSV_FILES
 from cable_tracker.evaluation.report import (
+    CSV_FILES,
     REPORT,
     ReportHeader,
+    frames_csv,
     make_cell,
     render_report,
+    runs_csv,
     seeds_text,
+    summary_csv,
     summary_table,
     write_report,
 )
+from cable_tracker.evaluation.run_metrics import METRIC_TABLE
+from cable_tracker.evaluation.runs import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.sample_statistics import spread_of
 
 HEADER = ReportHeader("Title <1>", "cable-tracker evaluate --x '<y>'", "a machine", "2026-01-02")
@@ -138,3 +145,41 @@ def test_the_report_says_which_frames_were_refused(results):
     refusing = replace(results[0], refused=2, refusal="frame 3: too <dark>")
     page = render_report([refusing], HEADER, methods={}, sequences={})
     assert "2 frames were refused and taken as not claimed (frame 3: too &lt;dark&gt;)" in page
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_runs_are_chosen_by_sequence_and_method(results):
+    assert sequences_of(results) == ["stripe", "<other> & more"]
+    assert methods_of(results) == ["default", "thesis"]
+    assert len(chosen(results)) == 8
+    assert len(chosen(results, sequence="stripe")) == 4
+    assert len(chosen(results, sequence="stripe", method="thesis")) == 2
+
+
+def test_there_is_one_row_for_each_run(results):
+    table = rows(runs_csv(results))
+    assert len(table) == len(results)
+    assert float(table[0]["lost [%]"]) == pytest.approx(results[0].metrics["lost"], 1e-5)
+    assert table[0]["false_tracking [%]"] == ""
+
+
+def test_the_summary_has_every_number_of_every_method_and_sequence(results):
+    table = rows(summary_csv(results))
+    assert len(table) == 2 * 2 * len(METRIC_TABLE)
+    frames = next(row for row in table if row["metric"] == "frames")
+    assert (frames["runs"], frames["mean"], frames["standard_error"]) == ("2", "12", "0")
+
+
+def test_there_is_one_row_for_each_frame(results):
+    table = rows(frames_csv(results))
+    assert len(table) == 8 * 12
+    assert table[0]["stamp [s]"] == "1.000000000"
+    assert float(table[0]["true_w [px]"]) == 40.0
+    assert table[0]["lost"] in ("0", "1")
+
+
+def test_no_table_holds_nan(results):
+    assert not any("nan" in make(results) for _, make in CSV_FILES)

@@ -9,7 +9,7 @@ from survey_dives import Plan, make_dive
 
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, Profile
-from cable_tracker.survey.routes.merged_route import PlacedRoute
+from cable_tracker.survey.routes.merging import PlacedRoute
 from cable_tracker.survey.routes.route import SPACING
 
 

@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import PROFILE_BINS, TRACKING, Samples
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import PROFILE_BINS, TRACKING, Samples
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.trajectory import Trajectory, joined_trajectory
+from cable_tracker.survey.trajectory import Trajectory, joined_trajectory
 
 SPEED, RATE, LOOK = 0.5, 10.0, 0.7
 START = 1_000_000_000

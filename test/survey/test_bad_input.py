@@ -20,7 +20,7 @@ from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.simulation.instruments.survey_dive import write_survey_bag
 from cable_tracker.survey.campaign import names_of, run_survey
-from cable_tracker.survey.frames.forward_pass import ForwardSettings
+from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.survey.routes.events import EventKind
 

@@ -21,7 +21,7 @@ from cable_tracker.survey.campaign import (
     names_of,
     run_survey,
 )
-from cable_tracker.survey.frames.forward_pass import ForwardSettings
+from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.outputs.surveyed_dive import read_origin, read_surveyed
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.survey.routes.events import Limits

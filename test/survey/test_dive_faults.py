@@ -3,11 +3,11 @@ import pytest
 from survey_dives import DISK
 
 from cable_tracker.survey.dive_faults import count_rows, find_faults
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import REFUSED, STATUSES
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.trajectory import Trajectory
 from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.trajectory import Trajectory
 
 CLAIMS = 20
 NO_PLACES = np.full((CLAIMS, 3), np.nan)

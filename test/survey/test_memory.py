@@ -10,8 +10,8 @@ import pytest
 from survey_dives import DISK, Plan, make_dive
 
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import ROW, FrameTable, Samples
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import ROW, FrameTable, Samples
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.recording import SurveySettings, analyse

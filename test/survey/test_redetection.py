@@ -12,11 +12,11 @@ from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.survey.frames.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
+from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
+from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.redetection import place_in_image, redetect_cable
 from cable_tracker.survey.routes.route import Course
-from cable_tracker.survey.smoothing.keyframes import make_keyframes
-from cable_tracker.survey.smoothing.smoother import smooth
+from cable_tracker.survey.smoother import smooth
 
 WIDTH, HEIGHT, FOCAL, ALTITUDE, DIAMETER = 320, 240, 300.0, 2.0, 0.16
 CAMERA = CameraModel(

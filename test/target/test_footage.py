@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.evaluation.targets.metrics import EvaluatedClaim, overlap, success
+from cable_tracker.evaluation.targets.comparison import EvaluatedClaim, overlap, success
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
 

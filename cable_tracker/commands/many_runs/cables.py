@@ -22,10 +22,9 @@ from cable_tracker.commands.console.terminal import (
 from cable_tracker.commands.options.many_runs import with_whole_paths
 from cable_tracker.commands.options.parameters import chosen_parameters, single_values
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
-from cable_tracker.evaluation.csv_files import CSV_FILES
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.report import (
+    CSV_FILES,
     REPORT,
     ReportHeader,
     TableView,
@@ -33,7 +32,7 @@ from cable_tracker.evaluation.report import (
     summary_table,
     write_report,
 )
-from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.runs import Campaign, RunResult, Start, evaluate_methods
 from cable_tracker.followed_kinds import CABLE
 
 TITLE = "How well the cable is followed"

@@ -38,19 +38,17 @@ from cable_tracker.commands.console.terminal import (
     progress_bar,
 )
 from cable_tracker.errors import RecordingError, RosError
-from cable_tracker.evaluation.closed_loop.loop_campaign import (
+from cable_tracker.evaluation.loop_table import (
+    GOAL,
     METHODS_TABLE,
     RUNS,
+    SUMMARY,
     LoopOutcome,
+    LoopSummary,
+    read_summary,
     totals_by_method,
     write_methods,
     write_runs,
-)
-from cable_tracker.evaluation.closed_loop.loop_table import (
-    GOAL,
-    SUMMARY,
-    LoopSummary,
-    read_summary,
 )
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.ros.process.child_process import GRACE, end_process, last_line_of

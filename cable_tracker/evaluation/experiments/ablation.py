@@ -12,7 +12,6 @@ import numpy as np
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
@@ -21,9 +20,16 @@ from cable_tracker.evaluation.evaluation_sequences import (
 )
 from cable_tracker.evaluation.experiments.experiment import CampaignExperiment, ExperimentResult
 from cable_tracker.evaluation.methods import ConfiguredFilter
-from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start, chosen, sequences_of
+from cable_tracker.evaluation.run_metrics import METRICS_BY_NAME
+from cable_tracker.evaluation.runs import (
+    Campaign,
+    RunResult,
+    Start,
+    chosen,
+    metric_spread,
+    sequences_of,
+)
 from cable_tracker.evaluation.sample_statistics import spread_of
 from cable_tracker.tracking.parameter_table import ParameterValue, check_name
 

@@ -9,7 +9,12 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, POSE_SYMBOLS, WIDTH
-from cable_tracker.evaluation.campaign import Campaign
+from cable_tracker.evaluation.consistency import (
+    REGION_NEES,
+    coverage,
+    nees,
+    sigma_factors,
+)
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
@@ -17,14 +22,8 @@ from cable_tracker.evaluation.evaluation_sequences import (
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.experiment import CampaignExperiment, ExperimentResult
-from cable_tracker.evaluation.metrics.consistency import (
-    REGION_NEES,
-    coverage,
-    nees,
-    sigma_factors,
-)
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start, chosen
+from cable_tracker.evaluation.runs import Campaign, RunResult, Start, chosen
 from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.trace import Trace
 

@@ -10,9 +10,8 @@ from typing import Protocol
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.campaigns.settings import CampaignSettings
-from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.result_table import ResultTable, table_csv, table_markdown
-from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.runs import Campaign, RunResult, evaluate_methods
 
 TABLE_MARKDOWN = "table.md"
 

@@ -14,19 +14,19 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings
+from cable_tracker.evaluation.errors import forgiven_distance, is_off_cable, state_errors
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
     frames_in_all,
 )
-from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
-from cable_tracker.evaluation.experiments.experiment import ExperimentResult
-from cable_tracker.evaluation.experiments.simulated_vehicle import (
+from cable_tracker.evaluation.experiments.aided import (
     LOOK_AHEAD,
+    AidedFilter,
+    OdometryFault,
     SimulatedVehicle,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
-from cable_tracker.evaluation.metrics.errors import state_errors
+from cable_tracker.evaluation.experiments.experiment import ExperimentResult
 from cable_tracker.evaluation.result_table import ResultTable, median_and_range
 from cable_tracker.evaluation.sample_statistics import (
     mean,

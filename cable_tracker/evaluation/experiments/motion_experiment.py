@@ -11,9 +11,9 @@ from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, frames_in_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment import ExperimentResult
-from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.result_table import ResultTable, format_number, median_and_range
-from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, chosen
+from cable_tracker.evaluation.run_metrics import METRICS_BY_NAME
+from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, chosen, metric_spread
 from cable_tracker.evaluation.sample_statistics import spread_of
 
 MOTION_SEQUENCES = ("S1", "S2", "S6")

@@ -9,7 +9,6 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
     reported_worlds,
@@ -21,9 +20,9 @@ from cable_tracker.evaluation.experiments.experiment import (
 )
 from cable_tracker.evaluation.figures import as_png, trade_off_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
-from cable_tracker.evaluation.metrics.initialisation import StartOutcome, start_statistics
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start, chosen
+from cable_tracker.evaluation.run_metrics import StartOutcome, start_statistics
+from cable_tracker.evaluation.runs import Campaign, RunResult, Start, chosen
 from cable_tracker.evaluation.sample_statistics import percentage
 from cable_tracker.evaluation.trace import Trace
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from cable_tracker.cable.model.state import WIDTH
-from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import StripSequence
 from cable_tracker.evaluation.experiments.experiment import CampaignExperiment, ExperimentResult
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start, chosen
+from cable_tracker.evaluation.runs import Campaign, RunResult, Start, chosen
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 

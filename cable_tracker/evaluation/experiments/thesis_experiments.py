@@ -11,7 +11,6 @@ import numpy as np
 from cable_tracker.cable.measure.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings
-from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
     ScenarioSequence,
@@ -23,15 +22,24 @@ from cable_tracker.evaluation.experiments.experiment import (
 )
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
-from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.metrics.initialisation import (
+from cable_tracker.evaluation.result_table import ResultTable, format_number
+from cable_tracker.evaluation.run_metrics import (
+    METRICS_BY_NAME,
     START_FRAMES,
     StartOutcome,
     StartStatistics,
     start_statistics,
 )
-from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start, chosen, methods_of, sequences_of
+from cable_tracker.evaluation.runs import (
+    Campaign,
+    RunResult,
+    Start,
+    chosen,
+    evaluate_methods,
+    methods_of,
+    metric_spread,
+    sequences_of,
+)
 from cable_tracker.evaluation.sample_statistics import mean, median, percentage, percentages
 from cable_tracker.evaluation.trace import Trace
 

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.labelled_recording import LabelledRecording
+from cable_tracker.evaluation.evaluation_sequences import LabelledRecording
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.labels.target_labels import find_boxes
 from cable_tracker.sequences.source import open_chosen

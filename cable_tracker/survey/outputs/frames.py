@@ -12,10 +12,10 @@ import pyarrow.parquet as pq
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.state import POSE_SYMBOLS
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import AGAIN, STATUSES
-from cable_tracker.survey.navigation.trajectory import poses_of_rows
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import AGAIN, STATUSES
 from cable_tracker.survey.routes.route import Course
+from cable_tracker.survey.trajectory import poses_of_rows
 
 FRAMES = "frames.parquet"
 """Name of the file."""

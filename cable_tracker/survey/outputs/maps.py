@@ -20,7 +20,7 @@ from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.survey.outputs.surveyed_dive import PICTURES, RECORDINGS
 from cable_tracker.survey.routes.events import Event
-from cable_tracker.survey.routes.merged_route import MergedRoute
+from cable_tracker.survey.routes.merging import MergedRoute
 
 EARTH = "EPSG:4326"
 """Longitude and latitude, WGS 84."""

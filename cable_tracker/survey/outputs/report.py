@@ -21,7 +21,7 @@ from cable_tracker.survey.outputs.maps import (
     picture_name,
     rounded,
 )
-from cable_tracker.survey.routes.merged_route import MergedRoute
+from cable_tracker.survey.routes.merging import MergedRoute
 
 MOST_POINTS = 8000
 """Points of a route in the page; a longer one is thinned out."""

@@ -15,7 +15,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.survey.outputs.frames import FRAMES, check_frames
 from cable_tracker.survey.routes.dive_route import DiveRoute, Profile
 from cable_tracker.survey.routes.events import Event, EventKind
-from cable_tracker.survey.routes.merged_route import PlacedRoute
+from cable_tracker.survey.routes.merging import PlacedRoute
 
 RECORDINGS, PICTURES = "recordings", "pictures"
 """Folder of a survey with those of its recordings, and folder of a recording with pictures."""

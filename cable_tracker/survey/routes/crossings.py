@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import TRACKING
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import TRACKING
 from cable_tracker.survey.routes.route import Course
 
 CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)

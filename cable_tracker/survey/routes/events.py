@@ -12,8 +12,8 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, interpolated, true_runs
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import is_withheld
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import is_withheld
 from cable_tracker.survey.routes.crossings import find_crossings
 from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.routes.profile import LEAST_WEIGHT

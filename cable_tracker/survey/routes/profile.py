@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.survey.frames.frame_table import (
+from cable_tracker.survey.curve_filter import SmoothedCable
+from cable_tracker.survey.frame_table import (
     HIDDEN,
     Rows,
     is_claimed,
     is_measured,
     is_withheld,
 )
+from cable_tracker.survey.georeference import Georeference
+from cable_tracker.survey.keyframes import Keyframes, filled
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.georeference import Georeference
 from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, Profile
-from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
-from cable_tracker.survey.smoothing.keyframes import Keyframes, filled
 
 ON_ROUTE = 4.0
 """Claims farther from the smoothed cable than this say nothing about it [standard deviations]."""

@@ -10,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.survey.frames.frame_table import Rows, is_claimed
+from cable_tracker.survey.curve_filter import SmoothedCable
+from cable_tracker.survey.frame_table import Rows, is_claimed
+from cable_tracker.survey.georeference import Georeference
+from cable_tracker.survey.keyframes import Keyframes, filled
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
-from cable_tracker.survey.navigation.georeference import Georeference
-from cable_tracker.survey.navigation.trajectory import Trajectory
 from cable_tracker.survey.routes.dive_route import DiveRoute
 from cable_tracker.survey.routes.profile import LEAST_WEIGHT, SmoothedDive, make_profile
-from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
-from cable_tracker.survey.smoothing.keyframes import Keyframes, filled
+from cable_tracker.survey.trajectory import Trajectory
 
 SPACING = 0.5
 """Distance between two points of a route [m]."""

@@ -10,7 +10,7 @@ from cable_tracker.evaluation.experiments.roc_experiment import (
     RocExperiment,
     claim_shares,
 )
-from cable_tracker.evaluation.metrics.run_metrics import run_metrics
+from cable_tracker.evaluation.run_metrics import run_metrics
 from cable_tracker.evaluation.runs import RunResult, Start
 
 

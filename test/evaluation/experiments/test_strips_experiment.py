@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.experiments.strips_experiment import is_found, is_measured
-from cable_tracker.evaluation.metrics.run_metrics import run_metrics
+from cable_tracker.evaluation.run_metrics import run_metrics
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import trace_of
 from cable_tracker.simulation.worlds.strip import STRIP_SKEW, random_strip, simulate_strip

@@ -10,7 +10,7 @@ from watched_session import Watched
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.evaluation.targets.metrics import overlap
+from cable_tracker.evaluation.targets.comparison import overlap
 from cable_tracker.gui.session.recording_session import RecordingRequest, RecordingSession
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking.shared_session import SharedSession, start_with_box

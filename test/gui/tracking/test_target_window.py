@@ -3,7 +3,7 @@
 import pytest
 from tracking_page import PICTURE, TrackingPage
 
-from cable_tracker.evaluation.targets.metrics import overlap
+from cable_tracker.evaluation.targets.comparison import overlap
 
 
 class Window(TrackingPage):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from chase_bag import write_chase_bag
 
-from cable_tracker.evaluation.targets.metrics import overlap
+from cable_tracker.evaluation.targets.comparison import overlap
 from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.metric.targets.recorded_target import (
     LONGEST_WAIT,

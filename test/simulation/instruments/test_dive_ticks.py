@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.evaluation.experiments.simulated_vehicle import cables_below
+from cable_tracker.evaluation.experiments.aided import cables_below
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded_instruments import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument

@@ -3,7 +3,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from survey_dives import Plan, make_dive
 
-from cable_tracker.survey.frames.frame_table import HIDDEN, SEEN
+from cable_tracker.survey.frame_table import HIDDEN, SEEN
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
 from cable_tracker.survey.recording import SurveySettings, analyse
 

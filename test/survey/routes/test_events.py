@@ -6,15 +6,15 @@ import pytest
 from survey_dives import DISK, Plan, make_dive, poses_of
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import EMPTY, REFUSED, TRACKING, CrossingObservation
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import EMPTY, REFUSED, TRACKING, CrossingObservation
+from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.events import EventKind, Limits, hidden_stretches
 from cable_tracker.survey.routes.merging import merge
 from cable_tracker.survey.routes.route import make_routes
-from cable_tracker.survey.smoothing.keyframes import make_keyframes
-from cable_tracker.survey.smoothing.smoother import smooth
+from cable_tracker.survey.smoother import smooth
 
 
 def events(dive: ForwardDive, kind: EventKind):

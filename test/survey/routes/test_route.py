@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from survey_dives import DISK, LOOK, RATE, SPEED, START
 
-from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import PROFILE_BINS, TRACKING
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import PROFILE_BINS, TRACKING
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.dive_route import DiveRoute
 

@@ -14,8 +14,8 @@ from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_errors, plot_way
-from cable_tracker.evaluation.closed_loop.loop_table import (
+from cable_tracker.evaluation.loop_figures import MapPanel, plot_errors, plot_way
+from cable_tracker.evaluation.loop_table import (
     SUMMARY,
     TABLE,
     LoopRow,

@@ -9,7 +9,7 @@ from rclpy.context import Context
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
+from cable_tracker.evaluation.loop_table import LoopRow
 from cable_tracker.ros.rigs.closed_loop.run_recorder import FrameMessages, RunRecorder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey

@@ -14,7 +14,7 @@ import pytest
 from sensor_msgs.msg import Image
 
 from cable_tracker.errors import OutputError
-from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, TABLE, LoopSummary
+from cable_tracker.evaluation.loop_table import SUMMARY, TABLE, LoopSummary
 from cable_tracker.ros.rigs.closed_loop.loop import (
     ERRORS,
     VIDEO,

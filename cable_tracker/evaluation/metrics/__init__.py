@@ -1,1 +1,0 @@
-"""Metrics of a run against ground truth, a file for each question."""

@@ -1,1 +1,0 @@
-"""Where the vehicle was: poses from odometry, laid on the earth by fixes."""
