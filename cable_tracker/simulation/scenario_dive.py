@@ -191,9 +191,8 @@ def simulate_scenario(
     RecordingError
         There are no photographs in the folder.
     """
-    chosen = _checked(scenario, seed, image_size)
-    seeds = Seeds.of(seed)
-    dive = _scenario_dive(chosen, seeds, image_size)
+    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    dive = scenario_dive(chosen, seed, image_size)
     scene_settings = SceneSettings(
         chosen.appearance,
         chosen.has_cable,
@@ -201,7 +200,7 @@ def simulate_scenario(
         () if chosen.crossing is None else ((_cross(dive, chosen.crossing), chosen.crossing.skin),),
         photographs,
     )
-    return render_dive(dive, scene_settings, chosen.frame_count, SCENARIO_RATE, seeds)
+    return render_dive(dive, scene_settings, chosen.frame_count, SCENARIO_RATE, Seeds.of(seed))
 
 
 def scenario_dive(
@@ -214,19 +213,11 @@ def scenario_dive(
     ParameterError
         As `simulate_scenario`.
     """
-    chosen = _checked(scenario, seed, image_size)
-    return _scenario_dive(chosen, Seeds.of(seed), image_size)
-
-
-def _checked(scenario: str | Scenario, seed: int, image_size: tuple[int, int]) -> Scenario:
-    """Return the scenario itself, or that of a name; check the other values."""
-    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    if isinstance(scenario, str):
+        scenario = find_scenario(scenario)
     check_size(image_size)
     check_seed(seed)
-    return chosen
-
-
-def _scenario_dive(scenario: Scenario, seeds: Seeds, image_size: tuple[int, int]) -> Dive:
+    seeds = Seeds.of(seed)
     return Dive(
         camera=dive_camera(image_size, float(np.deg2rad(scenario.mounting))),
         tube=random_course(scenario.curvature, BEND_LENGTHS, np.random.default_rng(seeds.course)),
