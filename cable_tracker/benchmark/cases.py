@@ -1,4 +1,4 @@
-"""Cases that are timed: steps of the filters, whole frames, rivals, copies of memory."""
+"""What is timed: steps of the filters, whole frames, rivals, copies; and accuracy of methods."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.benchmark.footage import FRAME_STEP, Footage, FrameLoop
+from cable_tracker.benchmark.footage import FRAME_STEP, SEED, Footage, FrameLoop, rendered_frames
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
 from cable_tracker.benchmark.yardstick import Yardstick
@@ -25,6 +25,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method
+from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 from cable_tracker.particle_filter.particles import RESAMPLING_SCHEMES, Particles
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.trackers import CableTracker, make_proposer
@@ -299,3 +300,39 @@ class FilterSteps:
 def _computed_anew(image: WorkingImage, name: str) -> object:
     # A replaced working image has no cached results yet.
     return getattr(replace(image), name)
+
+
+@dataclass(frozen=True, slots=True)
+class Accuracy:
+    """Accuracy of a method on the frames of the benchmark, started from the truth.
+
+    Attributes
+    ----------
+    name : str
+        Name of the method or library.
+    lost : float
+        Share of the frames in which the estimate is beside the cable [%].
+    rmse_d, rmse_alpha : float
+        Root mean square error of d [px] and alpha [deg].
+    """
+
+    name: str
+    lost: float
+    rmse_d: float
+    rmse_alpha: float
+
+
+def measure_accuracy(frame_count: int) -> list[Accuracy]:
+    """Track the frames at 320x240 with every method and every installed library."""
+    makers: dict[str, Callable[[int], Method]] = {name: spec.make for name, spec in METHODS.items()}
+    for name in filter(is_installed, LIBRARY_LOOPS):
+        makers[name] = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)
+    runs = [MethodRun(name, make, SEED, Start.TRUTH) for name, make in makers.items()]
+    results = run_together(runs, rendered_frames(frame_count), "benchmark")
+    return [
+        Accuracy(
+            result.method,
+            *(result.metrics[m] for m in ("lost", "rmse_d", "rmse_alpha")),
+        )
+        for result in results
+    ]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 
-from cable_tracker.benchmark.accuracy import measure_accuracy
 from cable_tracker.benchmark.cases import (
     TIMED_PRESETS,
     copy_cases,
     frame_cases,
+    measure_accuracy,
     rival_cases,
     spacing_cases,
     step_cases,
@@ -17,18 +17,20 @@ from cable_tracker.benchmark.cases import (
 )
 from cable_tracker.benchmark.contours import measure_contour
 from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, footage
-from cable_tracker.benchmark.growth import fit_growth
+from cable_tracker.benchmark.fresh_processes import (
+    MemoryUse,
+    measure_memory_in_fresh_process,
+    measure_start,
+)
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
-from cable_tracker.benchmark.memory import MemoryUse, measure_memory_in_fresh_process
 from cable_tracker.benchmark.profiling import profile_preset
-from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
+from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, fit_growth
 from cable_tracker.benchmark.round_robin import (
     Advance,
     BenchmarkCase,
     Effort,
     measure_in_turns,
 )
-from cable_tracker.benchmark.start_time import measure_start
 from cable_tracker.benchmark.yardstick import make_yardstick
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError

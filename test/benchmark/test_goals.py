@@ -2,9 +2,9 @@ import math
 
 import pytest
 
-from cable_tracker.benchmark.accuracy import Accuracy
+from cable_tracker.benchmark.cases import Accuracy
+from cable_tracker.benchmark.fresh_processes import MemoryUse
 from cable_tracker.benchmark.goals import Goal, goals_of
-from cable_tracker.benchmark.memory import MemoryUse
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import CaseLabel, Measurement

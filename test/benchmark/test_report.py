@@ -1,7 +1,7 @@
 import dataclasses
 import math
 
-from cable_tracker.benchmark.accuracy import Accuracy
+from cable_tracker.benchmark.cases import Accuracy
 from cable_tracker.benchmark.report import (
     check_page,
     result_markdown,

@@ -1,8 +1,12 @@
-"""Growth of memory over many frames."""
+"""Measurements in fresh processes: time of a start, and growth of memory over many frames."""
 
 from __future__ import annotations
 
+import os
 import resource
+import subprocess
+import sys
+import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,6 +21,14 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.libraries import one_thread
 
+PROGRAM = """
+import time
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.trackers import warm_up
+warm_up(preset({name!r}))
+print(time.process_time())
+"""
+
 STATUS = Path("/proc/self/statm")
 KIB = 1024
 SAMPLES = 40
@@ -24,6 +36,42 @@ SAMPLES = 40
 
 WARM_UP_SHARE, LONGEST_WARM_UP = 0.2, 2000
 """Share of the frames, and number of them at most, before the memory counts."""
+
+
+@dataclass(frozen=True, slots=True)
+class StartTime:
+    """Time of the processor from the start of Python until a preset is warmed up [s].
+
+    Attributes
+    ----------
+    name : str
+        The preset.
+    cold, warm : float
+        Start times with an empty folder for machine code, and with the one that the first start
+        has filled.
+    """
+
+    name: str
+    cold: float
+    warm: float
+
+
+def measure_start(name: str) -> StartTime:
+    """Start two fresh processes, one after the other, with a folder of their own."""
+    with tempfile.TemporaryDirectory() as folder:
+        cold = _start(name, folder)
+        return StartTime(name, cold, _start(name, folder))
+
+
+def _start(name: str, folder: str) -> float:
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM.format(name=name)],
+        check=True,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"NUMBA_CACHE_DIR": folder},
+    )
+    return float(done.stdout)
 
 
 @dataclass(frozen=True, slots=True)

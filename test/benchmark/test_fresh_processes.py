@@ -2,8 +2,8 @@ import mmap
 
 import pytest
 
-from cable_tracker.benchmark import memory
-from cable_tracker.benchmark.memory import KIB, measure_memory, resident_bytes
+from cable_tracker.benchmark import fresh_processes
+from cable_tracker.benchmark.fresh_processes import KIB, measure_memory, resident_bytes
 
 
 def test_memory_that_is_used_is_seen():
@@ -16,7 +16,7 @@ def test_memory_that_is_used_is_seen():
 
 def test_steady_growth_is_found(shown, monkeypatch):
     sizes = iter(range(100 * KIB**2, 10**12, KIB))
-    monkeypatch.setattr(memory, "resident_bytes", lambda: next(sizes))
+    monkeypatch.setattr(fresh_processes, "resident_bytes", lambda: next(sizes))
     use = measure_memory("thesis", shown, 50)
     assert use.start == pytest.approx(100.0)
     assert use.per_thousand == pytest.approx(1000.0, rel=0.01)
