@@ -37,19 +37,19 @@ PLACES_TRIED = 30
 NARROWEST_SHARE = 0.25
 """Smallest width of the strip in the picture as a share of its nominal width: no tip is in view."""
 
-GROUND = (70.0, 170.0)
+STRIP_GROUND = (70.0, 170.0)
 """Grey levels of the ground."""
 
-STEP = (35.0, 75.0)
+STRIP_STEP = (35.0, 75.0)
 """Step of the borders, brighter or darker [grey levels]."""
 
 STRIP_NOISE = (2.0, 5.0)
 """Standard deviation of the noise [grey levels]."""
 
-BLUR = 0.6
+STRIP_BLUR = 0.6
 """Standard deviation of the blur [px at 320 px]."""
 
-DRIFT = 0.2
+STRIP_DRIFT = 0.2
 """Standard deviation of the steps of d from frame to frame [px at 320 px]."""
 
 
@@ -175,16 +175,16 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
     rng = np.random.default_rng((3, seed))
     state = random_strip(image_size, rng)
     scale = pixel_scale(image_size[0])
-    ground, noise = float(rng.uniform(*GROUND)), float(rng.uniform(*STRIP_NOISE))
-    step = float(rng.uniform(*STEP) * rng.choice((-1.0, 1.0)))
+    ground, noise = float(rng.uniform(*STRIP_GROUND)), float(rng.uniform(*STRIP_NOISE))
+    step = float(rng.uniform(*STRIP_STEP) * rng.choice((-1.0, 1.0)))
     x, y = pixel_grid(image_size)
     for index in range(frame_count):
         view = view_strip(state, x, y)
         cover = np.clip((1 - np.abs(view.u)) * view.radius + np.float32(0.5), 0.0, 1.0)
-        image: Image = cv2.GaussianBlur(ground + step * cover, (0, 0), BLUR * scale)
+        image: Image = cv2.GaussianBlur(ground + step * cover, (0, 0), STRIP_BLUR * scale)
         grain: Image = rng.standard_normal(image.shape, np.float32)
         image = image + np.float32(noise) * grain
         picture = eight_bits(image)
         truth = CableState.from_array(wrap_state(state))
         yield SimulatedFrame(make_frame(index, WORLD_RATE, picture, truth), 1.0)
-        state[DISTANCE] += DRIFT * scale * rng.standard_normal()
+        state[DISTANCE] += STRIP_DRIFT * scale * rng.standard_normal()
