@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import cv2
 import numpy as np
@@ -9,6 +11,7 @@ from sound_estimates import assert_sound
 
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.picture.bend import Bend, straightened
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
@@ -31,14 +34,38 @@ TRACKING, LOST, INITIALISING = (
 FRAME = 40_000_000
 START = 1_000_000_000
 DEGREE = np.pi / 180
+SIZE = (160, 120)
 STRIP = CableState(12.0, 0.2, 24.0, 0.03)
+LARGER_SIZE = (320, 240)
+LARGER_STRIP = CableState(24.0, 0.2, 48.0, 0.03)
+"""The strip in a picture of twice the size."""
+
+
+@pytest.fixture
+def strip_picture(draw_strip) -> np.ndarray:
+    return draw_strip(STRIP, SIZE)
+
+
+@pytest.fixture
+def noise_pictures(noise_picture) -> Callable[[int], list]:
+    """Make so many pictures without a cable."""
+    return lambda count: [noise_picture(seed) for seed in range(count)]
+
+
+def stamped(pictures, first=START) -> list:
+    """Return frames (picture, stamp, no truth) of 25 per second from a stamp [ns] on."""
+    return [(picture, first + k * FRAME, None) for k, picture in enumerate(pictures)]
 
 
 def run(tracker, frames) -> list:
     return [tracker.process(image, stamp) for image, stamp, _ in frames]
 
 
-def told(state, **changes) -> CableTracker:
+def statuses_of(estimates) -> list[TrackingStatus]:
+    return [estimate.status for estimate in estimates]
+
+
+def tracker_given(state, **changes) -> CableTracker:
     tracker = CableTracker(TrackerParameters().replaced(changes))
     tracker.initialise(GivenState.around(state))
     return tracker
@@ -60,21 +87,17 @@ def rmse(estimates, frames) -> np.ndarray:
     return np.sqrt((errors(estimates, frames) ** 2).mean(axis=0))
 
 
-def repeated(image, count, first=START, step=FRAME) -> list:
-    return [(image, first + k * step, None) for k in range(count)]
-
-
 @pytest.mark.parametrize(
     ("name", "angle_tolerance"),
     # The thesis lets alpha diffuse so little that it lags behind a vehicle as lively as this.
     [("default", 3 * DEGREE), ("thesis", 8 * DEGREE)],
 )
-def test_a_cable_that_was_told_is_followed(dive, name, angle_tolerance):
+def test_a_given_cable_is_followed(dive, name, angle_tolerance):
     frames = dive()
     tracker = CableTracker(preset(name))
     tracker.initialise(GivenState.around(frames[0][2]))
     estimates = run(tracker, frames)
-    assert [estimate.status for estimate in estimates] == [TRACKING] * len(frames)
+    assert statuses_of(estimates) == [TRACKING] * len(frames)
     distance, angle, width, skew = rmse(estimates, frames)
     assert distance < 1.5
     assert angle < angle_tolerance
@@ -84,7 +107,7 @@ def test_a_cable_that_was_told_is_followed(dive, name, angle_tolerance):
 
 def test_an_estimate_says_all_about_its_frame(dive):
     frames = dive(frames=3)
-    tracker = told(frames[0][2], particle_count=200)
+    tracker = tracker_given(frames[0][2], particle_count=200)
     for (image, stamp, _), estimate in zip(frames, run(tracker, frames), strict=True):
         assert estimate.stamp == stamp
         assert estimate.image_size == image.shape[::-1]
@@ -94,10 +117,10 @@ def test_an_estimate_says_all_about_its_frame(dive):
 
 def test_the_covariance_is_of_the_size_of_the_errors(dive):
     frames = dive()
-    estimates = run(told(frames[0][2]), frames)
+    estimates = run(tracker_given(frames[0][2]), frames)
     sigmas = np.array([estimate.standard_deviations()[:4] for estimate in estimates])
     ratio = rmse(estimates, frames) / np.median(sigmas, axis=0)
-    assert (ratio < 3.0).all()
+    assert ((ratio > 0.1) & (ratio < 3.0)).all()
 
 
 @pytest.fixture
@@ -117,24 +140,23 @@ def asked_after(tracker, asked, given, strip) -> list:
     """Return what the detector is told in five frames after something was given."""
     tracker.initialise(given)
     before = len(asked)
-    run(tracker, repeated(strip, 5, first=START + 3 * FRAME))
+    run(tracker, stamped([strip] * 5, first=START + 3 * FRAME))
     return asked[before:]
 
 
-def test_a_detector_is_told_whether_a_cable_is_searched_for(asked, draw_strip):
+def test_a_detector_learns_whether_a_cable_is_searched_for(strip_picture, asked):
     tracker = CableTracker(TrackerParameters())
-    empty, strip = np.full((120, 160), 90, np.uint8), draw_strip(STRIP, (160, 120))
-    run(tracker, repeated(empty, 3))
+    empty, strip = np.full((120, 160), 90, np.uint8), strip_picture
+    run(tracker, stamped([empty] * 3))
     assert asked == [True] * 3
     guessed = GivenState.around(STRIP, is_guess=True)
     assert asked_after(tracker, asked, guessed, strip) == [False] * 5
 
 
-def test_a_detector_is_not_asked_beside_a_known_cable(asked, draw_strip):
+def test_a_detector_is_not_asked_beside_a_known_cable(strip_picture, asked):
     tracker = CableTracker(TrackerParameters())
-    run(tracker, repeated(np.full((120, 160), 90, np.uint8), 3))
-    strip = draw_strip(STRIP, (160, 120))
-    assert asked_after(tracker, asked, GivenState.around(STRIP), strip) == []
+    run(tracker, stamped([np.full((120, 160), 90, np.uint8)] * 3))
+    assert asked_after(tracker, asked, GivenState.around(STRIP), strip_picture) == []
 
 
 def shadow_of_a_frame(frames=30) -> list:
@@ -149,7 +171,7 @@ def shadow_of_a_frame(frames=30) -> list:
     return pictures
 
 
-def test_a_shadow_that_stands_still_over_moving_ground_is_given_up_and_the_reason_said():
+def test_a_shadow_that_stands_still_over_moving_ground_is_given_up_with_the_reason():
     estimates = run(make_tracker(TrackerParameters()), shadow_of_a_frame())
     assert any(estimate.is_claimed for estimate in estimates[:8])
     assert not any(estimate.is_claimed for estimate in estimates[-10:])
@@ -163,12 +185,12 @@ def test_with_no_travel_asked_for_a_shadow_is_followed_as_a_cable_is():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_random_start_finds_the_cable_and_says_so_only_then(draw_strip, seed):
+def test_a_random_start_finds_the_cable_and_says_so_only_then(strip_picture, seed):
     estimates = run(
         make_tracker(TrackerParameters(seed=seed)),
-        repeated(draw_strip(STRIP, (160, 120)), 60),
+        stamped([strip_picture] * 60),
     )
-    statuses = [estimate.status for estimate in estimates]
+    statuses = statuses_of(estimates)
     assert statuses[0] is INITIALISING
     found = statuses.index(TRACKING)
     assert statuses == [INITIALISING] * found + [TRACKING] * (60 - found)
@@ -189,8 +211,8 @@ def test_the_same_frames_and_seed_give_the_same_estimates_bit_for_bit(dive):
     def record(seed):
         tracker = CableTracker(TrackerParameters(seed=seed))
         estimates = run(tracker, dive(frames=15))
-        numbers = [(e.state, e.covariance.tobytes(), e.effective_sample_size) for e in estimates]
-        return numbers, tracker.particles.states.tobytes()
+        sample_sizes = [estimate.effective_sample_size for estimate in estimates]
+        return numbers_of(estimates), sample_sizes, tracker.particles.states.tobytes()
 
     assert record(5) == record(5)
     assert record(5) != record(6)
@@ -198,7 +220,7 @@ def test_the_same_frames_and_seed_give_the_same_estimates_bit_for_bit(dive):
 
 def test_a_reset_tracker_is_like_a_new_one(dive):
     frames = dive(frames=10)
-    tracker = told(frames[0][2])
+    tracker = tracker_given(frames[0][2])
     run(tracker, frames)
     tracker.reset()
     assert tracker.particles is None
@@ -206,10 +228,10 @@ def test_a_reset_tracker_is_like_a_new_one(dive):
     assert [e.state for e in run(tracker, frames)] == fresh
 
 
-def test_another_image_size_starts_anew_and_says_so(draw_strip):
-    tracker = told(STRIP)
-    run(tracker, repeated(draw_strip(STRIP, (160, 120)), 5))
-    larger = draw_strip(CableState(24.0, 0.2, 48.0, 0.03), (320, 240))
+def test_another_image_size_starts_anew_and_says_so(strip_picture, draw_strip):
+    tracker = tracker_given(STRIP)
+    run(tracker, stamped([strip_picture] * 5))
+    larger = draw_strip(LARGER_STRIP, LARGER_SIZE)
     estimate = tracker.process(larger, START + 5 * FRAME)
     assert estimate.event == "the image size changed from 160x120 to 320x240"
     assert estimate.status is INITIALISING
@@ -217,73 +239,93 @@ def test_another_image_size_starts_anew_and_says_so(draw_strip):
     assert tracker.process(larger, START + 6 * FRAME).event == ""
 
 
-def test_time_going_back_starts_anew_and_says_so(draw_strip):
-    tracker = told(STRIP)
-    image = draw_strip(STRIP, (160, 120))
-    run(tracker, repeated(image, 5))
-    estimate = tracker.process(image, START - 2 * FRAME)
+def test_time_going_back_starts_anew_and_says_so(strip_picture):
+    tracker = tracker_given(STRIP)
+    run(tracker, stamped([strip_picture] * 5))
+    estimate = tracker.process(strip_picture, START - 2 * FRAME)
     assert (estimate.event, estimate.status) == ("time went back by 0.240 s", INITIALISING)
 
 
-def test_a_frame_that_was_overtaken_is_refused_and_changes_nothing(draw_strip):
-    frames = repeated(draw_strip(STRIP, (160, 120)), 6)
-    tracker, other = told(STRIP), told(STRIP)
-    run(tracker, frames[:5])
-    run(other, frames[:5])
-    with pytest.raises(FrameError, match="out of order"):
-        tracker.process(frames[5][0], START)
-    run(tracker, frames[5:])
-    run(other, frames[5:])
-    np.testing.assert_array_equal(tracker.particles.states, other.particles.states)
-
-
-def test_a_long_gap_starts_anew_and_a_short_one_does_not(draw_strip):
-    tracker = told(STRIP)
-    image = draw_strip(STRIP, (160, 120))
-    run(tracker, repeated(image, 5))
+def test_a_long_gap_starts_anew_and_a_short_one_does_not(strip_picture):
+    tracker = tracker_given(STRIP)
+    run(tracker, stamped([strip_picture] * 5))
     stamp = START + 4 * FRAME + 500_000_000
-    assert tracker.process(image, stamp).event == ""
-    estimate = tracker.process(image, stamp + 5_100_000_000)
+    assert tracker.process(strip_picture, stamp).event == ""
+    estimate = tracker.process(strip_picture, stamp + 5_100_000_000)
     assert (estimate.event, estimate.status) == ("no frame for 5.100 s", INITIALISING)
 
 
-def test_what_was_told_counts_also_where_the_tracker_starts_anew(draw_strip):
-    tracker = told(STRIP)
-    run(tracker, repeated(draw_strip(STRIP, (160, 120)), 3))
-    larger = CableState(24.0, 0.2, 48.0, 0.03)
-    tracker.initialise(GivenState.around(larger))
-    estimate = tracker.process(draw_strip(larger, (320, 240)), START + 3 * FRAME)
+def test_a_state_given_for_another_image_size_is_tracked_at_once(strip_picture, draw_strip):
+    tracker = tracker_given(STRIP)
+    run(tracker, stamped([strip_picture] * 3))
+    tracker.initialise(GivenState.around(LARGER_STRIP))
+    estimate = tracker.process(draw_strip(LARGER_STRIP, LARGER_SIZE), START + 3 * FRAME)
     assert estimate.event
     assert estimate.status is TRACKING
 
 
+NEXT = START + 5 * FRAME
+"""When a frame is due after the first five."""
+
 BAD_FRAMES = {
-    "repeated stamp": (np.zeros((120, 160), np.uint8), START + 2 * FRAME),
-    "colour": (np.zeros((120, 160, 3), np.uint8), START + 3 * FRAME),
-    "tiny": (np.zeros((2, 2), np.uint8), START + 3 * FRAME),
-    "NaN": (np.full((120, 160), np.nan, np.float32), START + 3 * FRAME),
+    "repeated stamp": (np.zeros((120, 160), np.uint8), NEXT - FRAME, "that of the frame before"),
+    "overtaken": (np.zeros((120, 160), np.uint8), START, "out of order"),
+    "stamp of NaN": (np.zeros((120, 160), np.uint8), np.nan, "is no time"),
+    "infinite stamp": (np.zeros((120, 160), np.uint8), np.inf, "is no time"),
+    "colour": (np.zeros((120, 160, 3), np.uint8), NEXT, "has shape"),
+    "tiny": (np.zeros((2, 2), np.uint8), NEXT, "too small"),
+    "NaN": (np.full((120, 160), np.nan, np.float32), NEXT, "NaN or infinite"),
 }
 
 
-@pytest.mark.parametrize("kind", BAD_FRAMES)
-def test_a_bad_frame_leaves_the_tracker_as_it_was(draw_strip, kind):
-    frames = repeated(draw_strip(STRIP, (160, 120)), 6)
-    tracker, undisturbed = told(STRIP), told(STRIP)
-    run(tracker, frames[:3])
-    run(undisturbed, frames[:3])
-    before = tracker.particles
-    with pytest.raises(FrameError) as caught:
-        tracker.process(*BAD_FRAMES[kind])
+def refuse_bad_frame(tracker, picture, stamp, words) -> None:
+    with pytest.raises(FrameError, match=words) as caught:
+        tracker.process(picture, stamp)
     assert "\n" not in str(caught.value)
-    assert tracker.particles is before
-    after = [(e.state, e.status) for e in run(tracker, frames[3:])]
-    assert after == [(e.state, e.status) for e in run(undisturbed, frames[3:])]
+
+
+def refuse_bad_table(tracker) -> None:
+    bad = tracker.parameters.replaced({"response_table": "no such file.json", "seed": 9})
+    parameters = tracker.parameters
+    with pytest.raises(ParameterError, match="no such file"):
+        tracker.configure(bad)
+    assert tracker.parameters is parameters
+
+
+def numbers_of(estimates) -> list:
+    return [(each.state, each.covariance.tobytes(), each.status, each.event) for each in estimates]
+
+
+@pytest.mark.parametrize(
+    "refuse",
+    [
+        *(
+            partial(refuse_bad_frame, picture=p, stamp=t, words=w)
+            for p, t, w in BAD_FRAMES.values()
+        ),
+        refuse_bad_table,
+    ],
+    ids=[*BAD_FRAMES, "unreadable table"],
+)
+def test_what_is_refused_leaves_the_tracker_as_it_was(dive, refuse):
+    frames = dive(frames=8)
+    tracker, undisturbed = tracker_given(frames[0][2]), tracker_given(frames[0][2])
+    run(tracker, frames[:5])
+    particles = tracker.particles
+    refuse(tracker)
+    assert tracker.particles is particles
+    assert numbers_of(run(tracker, frames[5:])) == numbers_of(run(undisturbed, frames)[5:])
+
+
+def test_a_tracker_is_not_made_with_a_table_that_cannot_be_read():
+    with pytest.raises(ParameterError, match="no such file"):
+        CableTracker(TrackerParameters(response_table="no such file.json"))
 
 
 @pytest.mark.parametrize("count", [1, 50, 2000])
 def test_another_number_of_particles_keeps_the_estimate(dive, count):
     frames = dive()
-    tracker = told(frames[0][2])
+    tracker = tracker_given(frames[0][2])
     before = run(tracker, frames[:10])[-1]
     tracker.configure(tracker.parameters.replaced({"particle_count": count}))
     assert tracker.particles.count == count
@@ -296,7 +338,7 @@ def test_another_number_of_particles_keeps_the_estimate(dive, count):
 
 def test_other_parameters_keep_the_particles_and_take_effect(dive):
     frames = dive()
-    tracker = told(frames[0][2])
+    tracker = tracker_given(frames[0][2])
     run(tracker, frames[:5])
     particles = tracker.particles
     changed = tracker.parameters.replaced({"width_maximum": 15.0, "initial_width_maximum": 15.0})
@@ -335,100 +377,91 @@ def test_a_tracker_can_be_configured_before_its_first_frame(dive):
 
 @pytest.mark.parametrize("seed", range(2))
 def test_no_cable_is_ever_claimed_in_noise(noise_picture, seed):
-    frames = [(noise_picture(100 * seed + k), START + k * FRAME, None) for k in range(50)]
+    frames = stamped(noise_picture(100 * seed + k) for k in range(50))
     estimates = run(CableTracker(TrackerParameters(seed=seed)), frames)
-    assert {estimate.status for estimate in estimates} == {INITIALISING}
+    assert set(statuses_of(estimates)) == {INITIALISING}
 
 
 @pytest.mark.parametrize("value", [0, 128, 255])
 def test_no_cable_is_ever_claimed_in_a_flat_picture(value):
-    frames = repeated(np.full((120, 160), value, np.uint8), 20)
+    frames = stamped([np.full((120, 160), value, np.uint8)] * 20)
     for estimate in run(CableTracker(), frames):
         assert estimate.status is INITIALISING
         assert estimate.evidence <= 0.0
         assert_sound(estimate, 500)
 
 
-def statuses_with_high_demands(picture, given=None):
-    """Statuses where no evidence is enough for what nothing was known of."""
-    tracker = make_tracker(TrackerParameters(evidence_to_find=100.0))
+NEVER_FOUND = {"evidence_to_find": 100.0}
+NEVER_CLAIMED_ANEW = {"evidence_to_track": 100.0, "presence_to_track": HIGHEST_THRESHOLD}
+"""No frame has so much evidence."""
+
+
+@pytest.mark.parametrize("thresholds", [NEVER_FOUND, NEVER_CLAIMED_ANEW])
+@pytest.mark.parametrize(
+    ("given", "status"),
+    [
+        (None, INITIALISING),
+        (GivenState.around(STRIP, is_guess=True), INITIALISING),
+        (GivenState.around(STRIP), TRACKING),
+    ],
+    ids=["searched for", "guessed", "given"],
+)
+def test_only_a_given_cable_is_claimed_with_less_evidence_than_one_that_is_found(
+    strip_picture, thresholds, given, status
+):
+    tracker = make_tracker(TrackerParameters().replaced(thresholds))
     if given is not None:
         tracker.initialise(given)
-    return {estimate.status for estimate in run(tracker, repeated(picture, 20))}
-
-
-def test_what_nothing_was_known_of_needs_more_evidence_than_what_was_given(draw_strip):
-    picture = draw_strip(STRIP, (160, 120))
-    assert statuses_with_high_demands(picture) == {INITIALISING}
-    assert statuses_with_high_demands(picture, GivenState.around(STRIP, is_guess=True)) == {
-        INITIALISING
-    }
-    assert statuses_with_high_demands(picture, GivenState.around(STRIP)) == {TRACKING}
-
-
-def test_a_given_cable_is_claimed_by_what_suffices_to_keep_one(draw_strip):
-    picture = draw_strip(STRIP, (160, 120))
-    demanding = TrackerParameters(evidence_to_track=100.0, presence_to_track=HIGHEST_THRESHOLD)
-    told_surely, guessed = make_tracker(demanding), make_tracker(demanding)
-    told_surely.initialise(GivenState.around(STRIP))
-    guessed.initialise(GivenState.around(STRIP, is_guess=True))
-    frames = repeated(picture, 20)
-    assert {estimate.status for estimate in run(told_surely, frames)} == {TRACKING}
-    assert {estimate.status for estimate in run(guessed, frames)} == {INITIALISING}
+    assert set(statuses_of(run(tracker, stamped([strip_picture] * 20)))) == {status}
 
 
 @pytest.mark.parametrize("name", ["presence_to_track", "sample_spacing"])
-@pytest.mark.parametrize("size", [(160, 120), (160, 90)])
+@pytest.mark.parametrize("size", [SIZE, (160, 90)])
 def test_at_the_upper_end_of_its_range_a_parameter_still_lets_a_cable_be_claimed(
     draw_strip, name, size
 ):
     most = PARAMETERS_BY_NAME[name].maximum
     tracker = make_tracker(TrackerParameters().replaced({name: most}))
-    frames = repeated(draw_strip(STRIP, size), 25)
+    frames = stamped([draw_strip(STRIP, size)] * 25)
     assert run(tracker, frames)[-1].status is TRACKING
 
 
-def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(draw_strip, noise_picture):
-    strip = draw_strip(STRIP, (160, 120))
-    pictures = [strip] * 10 + [noise_picture(k) for k in range(15)] + [strip] * 20
-    tracker = make_tracker(TrackerParameters(evidence_to_find=100.0))
+def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(
+    strip_picture, noise_pictures
+):
+    pictures = [strip_picture] * 10 + noise_pictures(15) + [strip_picture] * 20
+    tracker = make_tracker(TrackerParameters().replaced(NEVER_FOUND))
     tracker.initialise(GivenState.around(STRIP))
-    frames = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
-    statuses = [estimate.status for estimate in run(tracker, frames)]
+    statuses = statuses_of(run(tracker, stamped(pictures)))
     assert statuses[9] is statuses[-1] is TRACKING
     assert LOST in statuses
 
 
-def test_who_is_told_of_a_cable_that_is_not_there_claims_none(noise_picture):
-    tracker = told(STRIP)
-    frames = [(noise_picture(k), START + k * FRAME, None) for k in range(30)]
-    assert {estimate.status for estimate in run(tracker, frames)} == {INITIALISING}
+def test_a_given_cable_that_is_not_there_is_never_claimed(noise_pictures):
+    estimates = run(tracker_given(STRIP), stamped(noise_pictures(30)))
+    assert set(statuses_of(estimates)) == {INITIALISING}
 
 
 @pytest.mark.parametrize("preset_name", ["default", "thesis"])
 def test_another_strip_gains_nothing_from_a_given_state_that_no_frame_showed(
-    draw_strip, noise_picture, preset_name
+    noise_pictures, draw_strip, preset_name
 ):
-    # No frame has so much evidence for a claim that nothing was known of.
-    demanding = preset(preset_name).replaced({"evidence_to_track": 100.0})
-    tracker = make_tracker(demanding)
+    tracker = make_tracker(preset(preset_name).replaced({"evidence_to_track": 100.0}))
     tracker.initialise(GivenState.around(CableState(-45.0, 0.6, 20.0)))
-    elsewhere = draw_strip(CableState(30.0, -0.2, 24.0), (160, 120))
-    pictures = [noise_picture(k) for k in range(60)] + [elsewhere] * 20
-    frames = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
-    assert {estimate.status for estimate in run(tracker, frames)} == {INITIALISING}
+    elsewhere = draw_strip(CableState(30.0, -0.2, 24.0), SIZE)
+    frames = stamped(noise_pictures(60) + [elsewhere] * 20)
+    assert set(statuses_of(run(tracker, frames))) == {INITIALISING}
 
 
-def test_a_cable_that_disappears_is_lost_in_time_and_found_again(draw_strip, noise_picture):
+def test_a_cable_that_disappears_is_lost_in_time_and_found_again(strip_picture, noise_pictures):
     parameters = TrackerParameters()
     tracker = make_tracker(parameters)
     tracker.initialise(GivenState.around(STRIP))
-    cable = draw_strip(STRIP, (160, 120))
-    present = repeated(cable, 10)
-    absent = [(noise_picture(k), START + (10 + k) * FRAME, None) for k in range(50)]
-    back = repeated(cable, 50, START + 60 * FRAME)
+    present = stamped([strip_picture] * 10)
+    absent = stamped(noise_pictures(50), START + 10 * FRAME)
+    back = stamped([strip_picture] * 50, START + 60 * FRAME)
     assert run(tracker, present)[-1].status is TRACKING
-    statuses = [estimate.status for estimate in run(tracker, absent)]
+    statuses = statuses_of(run(tracker, absent))
     assert statuses.index(LOST) * 0.04 <= parameters.loss_time + 0.04
     assert TRACKING not in statuses[statuses.index(LOST) :]
     assert INITIALISING not in statuses
@@ -437,37 +470,33 @@ def test_a_cable_that_disappears_is_lost_in_time_and_found_again(draw_strip, noi
     assert last.state.distance == pytest.approx(STRIP.distance, abs=1.5)
 
 
-def test_a_search_never_interrupts_a_confirmation(draw_strip):
+def test_a_search_never_interrupts_a_confirmation(strip_picture):
     tracker = make_tracker(TrackerParameters(confirmation_time=1.5, search_time=1.0))
-    estimates = run(tracker, repeated(draw_strip(STRIP, (160, 120)), 70))
+    estimates = run(tracker, stamped([strip_picture] * 70))
     assert estimates[-1].status is TRACKING
 
 
 def test_the_same_scene_twice_as_large_gives_twice_the_lengths(draw_strip):
-    double = CableState(2 * STRIP.distance, STRIP.angle, 2 * STRIP.width, STRIP.skew)
     ends = []
-    for state, size, blur in ((STRIP, (160, 120), 1.0), (double, (320, 240), 2.0)):
-        tracker = told(state, particle_count=1000)
-        estimates = run(tracker, repeated(draw_strip(state, size, blur=blur), 20))
+    for state, size, blur in ((STRIP, SIZE, 1.0), (LARGER_STRIP, LARGER_SIZE, 2.0)):
+        tracker = tracker_given(state, particle_count=1000)
+        estimates = run(tracker, stamped([draw_strip(state, size, blur=blur)] * 20))
         ends.append(np.mean([e.state.to_array()[:4] for e in estimates[5:]], axis=0))
     small, large = ends
     np.testing.assert_allclose(large[[0, 2]], 2 * small[[0, 2]], rtol=0.05)
     np.testing.assert_allclose(large[[1, 3]], small[[1, 3]], atol=0.01)
 
 
-def test_the_motion_per_second_is_found_at_any_frame_rate(draw_strip):
-    for rate in (12.5, 50.0):
-        tracker = told(CableState(-30.0, 0.0, 24.0), rate_damping=1.0)
-        steps = int(2 * rate)
-        estimates = [
-            tracker.process(
-                draw_strip(CableState(-30.0 + 30.0 * k / rate, 0.0, 24.0), (160, 120)),
-                START + round(k * 1e9 / rate),
-            )
-            for k in range(steps)
-        ]
-        rates = [estimate.state.distance_rate for estimate in estimates[steps // 2 :]]
-        assert np.mean(rates) == pytest.approx(30.0, abs=8.0)
+@pytest.mark.parametrize("frame_rate", [12.5, 50.0])
+def test_the_motion_per_second_is_found_at_any_frame_rate(draw_strip, frame_rate):
+    begin, speed = CableState(-30.0, 0.0, 24.0), 30.0
+    tracker = tracker_given(begin, rate_damping=1.0)
+    rates = []
+    for seconds in np.arange(int(2 * frame_rate)) / frame_rate:
+        cable = replace(begin, distance=begin.distance + speed * seconds)
+        estimate = tracker.process(draw_strip(cable, SIZE), START + round(seconds * 1e9))
+        rates.append(estimate.state.distance_rate)
+    assert np.mean(rates[len(rates) // 2 :]) == pytest.approx(speed, abs=8.0)
 
 
 @pytest.mark.parametrize(("name", "tolerance"), [("default", 5 * DEGREE), ("thesis", 8 * DEGREE)])
@@ -476,7 +505,7 @@ def test_a_cable_across_the_image_is_followed_over_the_wrap(draw_strip, name, to
     tracker = CableTracker(preset(name))
     tracker.initialise(GivenState.around(CableState(10.0, angles[0], 24.0)))
     for k, angle in enumerate(angles):
-        image = draw_strip(CableState(10.0, angle, 24.0), (160, 120))
+        image = draw_strip(CableState(10.0, angle, 24.0), SIZE)
         estimate = tracker.process(image, START + k * FRAME)
         chart = states_in_chart(estimate.state.to_array()[None], angle)[0]
         assert chart[0] == pytest.approx(10.0, abs=2.0)
@@ -488,15 +517,15 @@ def test_a_cable_across_the_image_is_followed_over_the_wrap(draw_strip, name, to
 
 @pytest.mark.parametrize("name", ["default", "thesis"])
 @pytest.mark.parametrize("kind", ["told", "random"])
-def test_one_particle_is_enough_to_run(draw_strip, noise_picture, name, kind):
+def test_one_particle_is_enough_to_run(strip_picture, noise_pictures, name, kind):
     # What the particles alone are unsure of: no displacement, and no map to disagree with.
     alone = {"particle_count": 1, "border_displacement": 0.0, "looks": "borders"}
     tracker = CableTracker(preset(name).replaced(alone))
     if kind == "told":
         tracker.initialise(GivenState.around(STRIP))
     frames = [
-        *repeated(draw_strip(STRIP, (160, 120)), 20),
-        *[(noise_picture(k), START + (20 + k) * FRAME, None) for k in range(15)],
+        *stamped([strip_picture] * 20),
+        *stamped(noise_pictures(15), START + 20 * FRAME),
     ]
     for estimate in run(tracker, frames):
         assert_sound(estimate, 1)
@@ -515,24 +544,31 @@ def test_frames_of_unusual_size_are_no_problem(size):
 
 def test_small_frames_show_a_cable_too(dive):
     frames = dive(size=(48, 36))
-    estimates = run(told(frames[0][2]), frames)
-    assert [estimate.status for estimate in estimates] == [TRACKING] * len(frames)
+    estimates = run(tracker_given(frames[0][2]), frames)
+    assert statuses_of(estimates) == [TRACKING] * len(frames)
 
 
-def test_every_resampling_scheme_and_limit_handling_follows_the_cable(dive):
+@pytest.mark.parametrize(
+    "changes",
+    [
+        *(
+            {"resampling": scheme, "particle_count": 300}
+            for scheme in ("multinomial", "stratified", "systematic", "residual")
+        ),
+        *({"limit_handling": kind, "filter": "bootstrap"} for kind in ("clip", "reflect")),
+    ],
+    ids=lambda changes: next(iter(changes.values())),
+)
+def test_every_resampling_scheme_and_limit_handling_follows_the_cable(dive, changes):
     frames = dive(frames=20)
-    for scheme in ("multinomial", "stratified", "systematic", "residual"):
-        tracker = told(frames[0][2], resampling=scheme, particle_count=300)
-        assert rmse(run(tracker, frames), frames)[0] < 2.0
-    for handling in ("clip", "reflect"):
-        tracker = told(frames[0][2], limit_handling=handling, filter="bootstrap")
-        assert rmse(run(tracker, frames), frames)[0] < 2.0
+    estimates = run(tracker_given(frames[0][2], **changes), frames)
+    assert rmse(estimates, frames)[0] < 2.0
 
 
 @pytest.mark.parametrize("threshold", [0.0, 1.0])
 def test_extreme_resampling_thresholds_run(dive, threshold):
     frames = dive(frames=20)
-    for estimate in run(told(frames[0][2], resampling_threshold=threshold), frames):
+    for estimate in run(tracker_given(frames[0][2], resampling_threshold=threshold), frames):
         assert_sound(estimate, 500)
 
 
@@ -550,19 +586,6 @@ def test_extreme_resampling_thresholds_run(dive, threshold):
 def test_an_impossible_prior_is_refused(prior, words):
     with pytest.raises(FrameError, match=words):
         CableTracker().initialise(prior)
-
-
-@pytest.mark.parametrize("stamp", [np.nan, np.inf])
-def test_a_stamp_that_is_no_time_leaves_the_tracker_as_it_was(dive, stamp):
-    frames = dive(frames=8)
-    tracker, undisturbed = told(frames[0][2]), told(frames[0][2])
-    run(tracker, frames[:5])
-    with pytest.raises(FrameError, match="is no time"):
-        tracker.process(frames[5][0], stamp)
-    after = run(tracker, frames[5:])
-    for estimate, same in zip(after, run(undisturbed, frames)[5:], strict=True):
-        assert estimate.state == same.state
-        assert estimate.event == ""
 
 
 @pytest.mark.parametrize("name", ["default", "thesis"])
@@ -584,44 +607,28 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("kind", OTHERS)
-def test_what_is_configured_in_the_middle_keeps_the_estimate(dive, kind):
+def test_a_change_of_parameters_keeps_the_estimate(dive, kind):
     frames = dive()
-    tracker = told(frames[0][2])
+    tracker = tracker_given(frames[0][2])
     run(tracker, frames[:10])
     tracker.configure(tracker.parameters.replaced(OTHERS[kind]))
     after = run(tracker, frames[10:16])
     assert [estimate.event for estimate in after] == [""] * 6
-    assert {estimate.status for estimate in after} == {TRACKING}
+    assert set(statuses_of(after)) == {TRACKING}
     assert (np.abs(errors(after, frames[10:16])[:, 0]) < 4.0).all()
     tracker.configure(TrackerParameters())
     back = run(tracker, frames[16:20])
-    assert {estimate.status for estimate in back} == {TRACKING}
+    assert set(statuses_of(back)) == {TRACKING}
     assert (np.abs(errors(back, frames[16:20])[:, 0]) < 4.0).all()
 
 
-def test_a_table_that_cannot_be_read_leaves_the_tracker_as_it_was(dive):
-    frames = dive(frames=12)
-    tracker, undisturbed = told(frames[0][2]), told(frames[0][2])
-    run(tracker, frames[:5])
-    run(undisturbed, frames[:5])
-    bad = tracker.parameters.replaced({"response_table": "no such file.json", "seed": 9})
-    before, parameters = tracker.particles, tracker.parameters
-    with pytest.raises(ParameterError, match="no such file"):
-        tracker.configure(bad)
-    assert tracker.particles is before
-    assert tracker.parameters is parameters
-    after = [e.state for e in run(tracker, frames[5:])]
-    assert after == [e.state for e in run(undisturbed, frames[5:])]
-    with pytest.raises(ParameterError, match="no such file"):
-        CableTracker(bad)
-
-
-def test_a_cable_is_tracked_on_within_a_second_after_three_without_a_frame(draw_strip):
+def test_a_cable_is_tracked_again_within_a_second_after_three_seconds_without_a_frame(
+    strip_picture,
+):
     tracker = make_tracker(TrackerParameters(maximum_gap=5.0))
     tracker.initialise(GivenState.around(STRIP))
-    image = draw_strip(STRIP, (160, 120))
-    run(tracker, repeated(image, 10))
-    late = run(tracker, repeated(image, 25, START + 9 * FRAME + 3_000_000_000))
+    run(tracker, stamped([strip_picture] * 10))
+    late = run(tracker, stamped([strip_picture] * 25, START + 9 * FRAME + 3_000_000_000))
     assert late[0].event == ""
     assert np.isfinite(late[0].covariance).all()
     assert late[-1].status is TRACKING
@@ -630,8 +637,8 @@ def test_a_cable_is_tracked_on_within_a_second_after_three_without_a_frame(draw_
 
 def test_hypotheses_of_thin_cables_are_as_wide_as_the_estimate(draw_strip):
     thin = replace(STRIP, width=6.0)
-    tracker = told(thin)
-    seen = run(tracker, repeated(draw_strip(thin, (160, 120)), 5))[-1]
+    tracker = tracker_given(thin)
+    seen = run(tracker, stamped([draw_strip(thin, SIZE)] * 5))[-1]
     assert seen.hypotheses[0].state == seen.state
 
 
@@ -642,7 +649,7 @@ def test_a_crisp_shadow_does_not_take_the_place_of_a_worn_bright_cable(draw_stri
     shares = [draw_strip(each, size, strip=255.0, ground=0.0) / 255.0 for each in (cable, shadow)]
     # Weed covers a third of the cable.
     bare = 0.1 + 0.9 * (np.sin(np.arange(size[1]) / 9.0) < 0.4)
-    tracker, rng = told(cable, seed=seed), np.random.default_rng(seed)
+    tracker, rng = tracker_given(cable, seed=seed), np.random.default_rng(seed)
     for number in range(10):
         levels = rng.normal(110.0, 6.0, size[::-1])
         levels += 25.0 * shares[0] * bare[:, None] - 60.0 * shares[1]
@@ -651,19 +658,30 @@ def test_a_crisp_shadow_does_not_take_the_place_of_a_worn_bright_cable(draw_stri
         assert estimate.state.distance == pytest.approx(cable.distance, abs=0.5 * cable.width)
 
 
-def test_presence_and_hypotheses_are_reported(draw_strip, noise_picture):
-    tracker = told(STRIP)
-    seen = run(tracker, repeated(draw_strip(STRIP, (160, 120)), 10))[-1]
-    frames = [(noise_picture(k), START + (10 + k) * FRAME, None) for k in range(25)]
-    gone = run(tracker, frames)[-1]
+@pytest.fixture
+def seen_and_gone(strip_picture, noise_pictures) -> tuple[CableEstimate, CableEstimate]:
+    """The last estimate of a given cable in view, and the last after it has disappeared."""
+    tracker = tracker_given(STRIP)
+    seen = run(tracker, stamped([strip_picture] * 10))[-1]
+    return seen, run(tracker, stamped(noise_pictures(25), START + 10 * FRAME))[-1]
+
+
+def test_presence_is_high_while_a_cable_is_seen_and_low_when_it_is_gone(seen_and_gone):
+    seen, gone = seen_and_gone
     assert seen.presence > 0.9
     assert gone.presence < 0.5
     assert gone.status is LOST
-    for estimate in (seen, gone):
+
+
+def test_the_first_hypothesis_is_the_estimate(seen_and_gone):
+    for estimate in seen_and_gone:
         assert estimate.hypotheses[0].state == estimate.state
         assert 0.0 < estimate.hypotheses[0].probability <= 1.0
-    thesis = CableTracker(preset("thesis")).process(noise_picture(0), START)
-    assert thesis.presence is None
+
+
+def test_the_filter_of_the_thesis_reports_no_presence(noise_picture):
+    estimate = CableTracker(preset("thesis")).process(noise_picture(0), START)
+    assert estimate.presence is None
 
 
 ODD_FRAMES = {
@@ -691,9 +709,9 @@ def test_odd_frames_are_no_problem_and_no_warning(kind, count):
 
 
 @pytest.mark.filterwarnings("error")
-def test_limits_that_exclude_every_particle_are_no_problem_and_no_warning(draw_strip):
-    tracker = told(STRIP, width_minimum=150.0)
-    for estimate in run(tracker, repeated(draw_strip(STRIP, (160, 120)), 6)):
+def test_limits_that_exclude_every_particle_are_no_problem_and_no_warning(strip_picture):
+    tracker = tracker_given(STRIP, width_minimum=150.0)
+    for estimate in run(tracker, stamped([strip_picture] * 6)):
         assert_sound(estimate, tracker.parameters.particle_count)
         assert estimate.status is INITIALISING
 
@@ -704,22 +722,21 @@ def test_limits_that_exclude_every_particle_are_no_problem_and_no_warning(draw_s
 def test_limits_that_leave_one_value_find_such_a_cable(draw_strip, limits):
     tracker = make_tracker(TrackerParameters().replaced(limits))
     cable = CableState(12.0, 0.2, 12.0)
-    *_, last = run(tracker, repeated(draw_strip(cable, (160, 120)), 10))
+    *_, last = run(tracker, stamped([draw_strip(cable, SIZE)] * 10))
     assert last.status is TRACKING
     assert last.state.distance == pytest.approx(cable.distance, abs=1.0)
 
 
 def test_with_its_detector_a_cable_anywhere_is_found_lost_and_found_elsewhere(
-    draw_strip, noise_picture
+    strip_picture, noise_pictures, draw_strip
 ):
     tracker = make_tracker(TrackerParameters(seed=2))
-    cable = draw_strip(STRIP, (160, 120))
     elsewhere = CableState(-40.0, -0.6, 24.0)
-    found = run(tracker, repeated(cable, 25))
+    found = run(tracker, stamped([strip_picture] * 25))
     assert found[-1].status is TRACKING
-    absent = [(noise_picture(k), START + (25 + k) * FRAME, None) for k in range(25)]
+    absent = stamped(noise_pictures(25), START + 25 * FRAME)
     assert run(tracker, absent)[-1].status is LOST
-    again = run(tracker, repeated(draw_strip(elsewhere, (160, 120)), 40, START + 50 * FRAME))
+    again = run(tracker, stamped([draw_strip(elsewhere, SIZE)] * 40, START + 50 * FRAME))
     assert again[-1].status is TRACKING
     assert again[-1].state.distance == pytest.approx(-40.0, abs=2.0)
 
@@ -728,7 +745,7 @@ def test_a_thin_cable_that_curves_is_claimed_along_its_straight_line(draw_strip)
     state = CableState(12.0, 0.2, 6.0, 0.0)
     curved = straightened(draw_strip(state), Bend(-0.06))
     tracker = make_tracker(preset("default"))
-    *_, last = run(tracker, repeated(curved, 12))
+    *_, last = run(tracker, stamped([curved] * 12))
     assert last.status is TRACKING
     assert last.state.distance == pytest.approx(state.distance, abs=3.0)
     assert last.state.angle == pytest.approx(state.angle, abs=2.0 * DEGREE)
@@ -775,13 +792,12 @@ def test_with_its_detector_the_same_frames_and_seed_give_the_same_bits(dive):
 @pytest.mark.parametrize("name", ["default", "thesis"])
 def test_a_copy_goes_on_as_the_tracker_would_and_apart_from_it(name):
     rng = np.random.default_rng(3)
-    pictures = rng.integers(0, 255, (12, 60, 80), dtype=np.uint8)
-    stamped = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
+    frames = stamped(rng.integers(0, 255, (12, 60, 80), dtype=np.uint8))
     tracker = make_tracker(preset(name).replaced({"particle_count": 40}))
-    run(tracker, stamped[:6])
+    run(tracker, frames[:6])
     twin = tracker.copy()
-    states = [estimate.state for estimate in run(tracker, stamped[6:])]
-    assert [estimate.state for estimate in run(twin, stamped[6:])] == states
+    states = [estimate.state for estimate in run(tracker, frames[6:])]
+    assert [estimate.state for estimate in run(twin, frames[6:])] == states
     twin.reset()
     assert tracker.particles is not None
 
@@ -807,7 +823,7 @@ def test_odometry_does_not_move_a_state_that_was_given_of_this_frame(name, draw_
 
 
 def test_a_given_start_beyond_the_limits_is_told_with_the_frame_that_it_starts(draw_strip):
-    tracker = told(replace(STRIP, width=400.0))
+    tracker = tracker_given(replace(STRIP, width=400.0))
     image = draw_strip(STRIP)
     notice = "the given start is limited: w 400.0 px by width_maximum"
     assert tracker.process(image, START).event == notice
@@ -818,14 +834,10 @@ def test_a_given_start_beyond_the_limits_is_told_with_the_frame_that_it_starts(d
 def test_a_dim_dive_in_fine_steps_is_followed_as_a_bright_one(dive, share):
     """A camera of 10 bits whose counts are sent as 16, in little light."""
     frames = dive(frames=20)
-    bright, dim = (
-        [
-            tracker.process(image.astype(np.float32) * np.float32(light), stamp)
-            for image, stamp, _ in frames
-        ]
-        for tracker, light in ((told(frames[0][2]), 1.0), (told(frames[0][2]), share))
-    )
-    assert bright[-1].status is dim[-1].status is TRACKING
-    np.testing.assert_allclose(
-        dim[-1].state.to_array()[:4], bright[-1].state.to_array()[:4], atol=1.0
-    )
+    ends = []
+    for light in (np.float32(1.0), np.float32(share)):
+        dive_in_light = [(image * light, stamp, truth) for image, stamp, truth in frames]
+        ends.append(run(tracker_given(frames[0][2]), dive_in_light)[-1])
+    assert statuses_of(ends) == [TRACKING] * 2
+    bright, dim = (estimate.state.to_array()[:4] for estimate in ends)
+    np.testing.assert_allclose(dim, bright, atol=1.0)
