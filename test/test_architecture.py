@@ -159,7 +159,7 @@ def test_imports_within_a_folder_run_one_way():
             assert parts_imported_by(part, PACKAGE / folder) <= set(order[: place + 1]), part
 
 
-def test_what_a_part_may_import_stands_below_it():
+def test_allowed_imports_stand_below_the_part():
     order = list(MAY_IMPORT)
     for part, lower in MAY_IMPORT.items():
         assert all(order.index(name) < order.index(part) for name in lower), part
@@ -237,7 +237,7 @@ def all_imported_with(path: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("node", ["tracker_node", "target_tracker_node"])
-def test_what_unpacks_recordings_is_not_imported_by_a_node_that_tracks(node):
+def test_tracker_nodes_do_not_import_libraries_that_unpack_recordings(node):
     """It takes a quarter of the time in which a node would start."""
     tops = {name.split(".")[0] for name in all_imported_with(PACKAGE / f"ros/nodes/{node}.py")}
     assert "numpy" in tops

@@ -47,7 +47,7 @@ def test_columns_are_straight_between_what_is_known_and_level_outside():
     assert found.tolist() == [[0.0, 10.0], [1.0, 15.0], [2.0, 30.0], [2.0, 40.0]]
 
 
-def test_one_place_gives_one_row():
+def test_a_single_place_is_interpolated_to_one_row():
     assert interpolated(3.0, KNOWN, COLUMNS).tolist() == [2.0, 30.0]
 
 

@@ -33,7 +33,7 @@ def test_a_committed_folder_lies_in_place(tmp_path):
     assert [path.name for path in tmp_path.rglob("*")] == ["out", "a"]
 
 
-def test_what_lay_there_comes_back_when_the_move_fails(tmp_path):
+def test_the_earlier_output_comes_back_when_the_move_fails(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "old").touch()
     folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
@@ -56,7 +56,7 @@ def interrupt_the_move(folder, monkeypatch):
         folder.commit()
 
 
-def test_what_lay_there_comes_back_when_a_signal_comes_between(tmp_path, monkeypatch):
+def test_the_earlier_output_comes_back_when_a_signal_interrupts_the_move(tmp_path, monkeypatch):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "old").touch()
     folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
@@ -112,7 +112,7 @@ def test_an_earlier_folder_is_replaced_only_when_told(tmp_path):
     assert (tmp_path / "out" / "mark").read_text() == "2"
 
 
-def test_what_the_user_has_put_into_an_earlier_folder_is_not_lost(tmp_path):
+def test_a_file_of_the_user_in_an_earlier_folder_is_not_lost(tmp_path):
     def replace():
         with output_folder(
             tmp_path / "out", "mark", overwrite=True, is_own_name="mark".__eq__
@@ -141,7 +141,7 @@ def replacing(path: Path) -> PartialOutput:
     return folder
 
 
-def test_what_the_user_puts_into_an_earlier_folder_meanwhile_is_carried_over(tmp_path):
+def test_a_file_put_into_an_earlier_folder_meanwhile_is_carried_over(tmp_path):
     folder = replacing(tmp_path / "out")
     (tmp_path / "out/notes.txt").write_text("an hour of thoughts")
     (tmp_path / "out/photos").mkdir()
@@ -162,7 +162,7 @@ def test_a_file_of_the_users_is_kept_beside_a_new_one_of_its_name(tmp_path):
     assert (tmp_path / "out/notes.txt.earlier").read_text() == "mine"
 
 
-def test_what_was_put_there_stays_when_the_move_fails(tmp_path, monkeypatch):
+def test_a_file_put_there_meanwhile_stays_when_the_move_fails(tmp_path, monkeypatch):
     folder = replacing(tmp_path / "out")
     (tmp_path / "out/notes.txt").write_text("an hour of thoughts")
     interrupt_the_move(folder, monkeypatch)
@@ -214,7 +214,7 @@ def test_a_file_takes_its_place_when_it_is_complete(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_where_nothing_was_written_what_lay_there_stays(tmp_path):
+def test_an_unwritten_output_leaves_the_earlier_one(tmp_path):
     (tmp_path / "a.txt").write_text("before")
     with atomic_file(tmp_path / "a.txt"):
         pass
@@ -315,7 +315,7 @@ def test_another_output_of_the_same_process_is_refused_too(tmp_path):
     fill(tmp_path / "out", overwrite=True)
 
 
-def test_one_run_at_a_time_is_in_a_folder_that_is_written_piece_by_piece(tmp_path):
+def test_a_folder_written_piece_by_piece_admits_one_run_at_a_time(tmp_path):
     with (
         alone_in(tmp_path / "new" / "out"),
         pytest.raises(OutputError, match="out: another run is writing it; wait"),
@@ -330,7 +330,7 @@ def test_one_run_at_a_time_is_in_a_folder_that_is_written_piece_by_piece(tmp_pat
 
 
 @pytest.mark.parametrize("kind", ["folder", "file", "link"])
-def test_what_a_killed_run_has_left_is_removed(tmp_path, kind):
+def test_the_remains_of_a_killed_run_are_removed(tmp_path, kind):
     left = tmp_path / ".out.partial"
     if kind == "file":
         left.touch()
@@ -357,7 +357,7 @@ def test_discarding_again_leaves_what_another_run_writes_by_then(tmp_path):
 
 
 @pytest.mark.parametrize("refusal", [errno.EBADF, errno.ENOTSUP, errno.ENOLCK])
-def test_where_there_are_no_locks_outputs_are_written_all_the_same(tmp_path, monkeypatch, refusal):
+def test_outputs_are_written_on_file_systems_without_locks(tmp_path, monkeypatch, refusal):
     def refuse(_descriptor, _operation):
         raise OSError(refusal, os.strerror(refusal))
 

@@ -127,7 +127,7 @@ def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(command, monke
     assert "survey cannot be used here: pyarrow requires NumPy 2.0" in used.err
 
 
-def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
+def test_the_command_runs_without_ros_and_ends_without_a_traceback(tmp_path):
     command = [sys.executable, "-m", "cable_tracker.cli", "track", "missing"]
     root = Path(__file__).parents[1]
     result = subprocess.run(
@@ -159,7 +159,7 @@ def test_names_that_are_not_utf_8_are_printed_byte_for_byte(monkeypatch):
         ("ascii", b"\\u03b1 in \\xb0 of Tauchg"),
     ],
 )
-def test_what_an_encoding_lacks_is_printed_as_a_number(monkeypatch, encoding, printed):
+def test_characters_outside_the_encoding_are_printed_as_numbers(monkeypatch, encoding, printed):
     out = io.TextIOWrapper(io.BytesIO(), encoding)
     monkeypatch.setattr("sys.stdout", out)
     monkeypatch.setattr(cli, "app", lambda: print("α in ° of Tauchg\udce4nge"))

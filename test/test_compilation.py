@@ -69,7 +69,7 @@ def test_a_part_is_plain_for_python_and_compiled_within_an_entry(part):
     assert quarter(8.0) == 2.0
 
 
-def test_what_cannot_be_kept_on_disk_is_compiled_all_the_same():
+def test_a_function_without_a_file_is_compiled():
     namespace = {}
     exec("def twice(value):\n    return 2 * value", namespace)  # Of no file: there is no cache.
     assert compiled(namespace["twice"])(4) == 8

@@ -7,7 +7,7 @@ from cable_tracker.errors import FrameError, MetricError
 from cable_tracker.libraries import one_thread, refusals_as, without_ipp
 
 
-def test_what_opencv_refuses_becomes_our_error_with_its_words():
+def test_an_error_of_opencv_becomes_ours_with_its_words():
     with pytest.raises(FrameError, match=r"no corners: .*Assertion failed") as raised:  # noqa: SIM117
         with refusals_as(FrameError, "no corners"):
             cv2.goodFeaturesToTrack(np.zeros((4, 4, 3), np.float64), 5, 0.1, 2.0)
@@ -16,7 +16,7 @@ def test_what_opencv_refuses_becomes_our_error_with_its_words():
     assert len(str(raised.value)) <= 200 + len("no corners: ")
 
 
-def test_what_numpy_refuses_becomes_our_error():
+def test_an_error_of_numpy_becomes_ours():
     with pytest.raises(MetricError, match="no inverse: Singular matrix"):  # noqa: SIM117
         with refusals_as(MetricError, "no inverse"):
             np.linalg.inv(np.zeros((2, 2)))

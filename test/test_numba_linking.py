@@ -47,7 +47,7 @@ def test_a_part_serves_several_entries():
 
 
 @pytest.mark.parametrize("entry", [twice, root, root_of_twice])
-def test_what_a_part_raises_comes_from_the_entry(entry):
+def test_an_exception_of_a_part_is_raised_by_the_entry(entry):
     with pytest.raises(ValueError, match="negative") as raised:
         entry(-1.0)
     assert raised.value.args == ("negative", -1.0)
@@ -110,7 +110,7 @@ def test_a_function_of_others_serves_an_entry_python_and_others_in_turn():
         assert raised.value.args == ("negative", -1)
 
 
-def test_what_does_not_compile_leaves_the_compiler_as_it_was():
+def test_a_failed_compilation_restores_the_compiler():
     @compiled
     def entry(value):
         return value.nothing_of_this_name

@@ -16,7 +16,7 @@ def test_bytes_that_are_no_utf8_are_printed_as_numbers():
     assert printable(os.fsdecode(b"dive\xe9.mcap")) == "dive\\xe9.mcap"
 
 
-def test_what_is_encoded_with_bytes_of_names_can_be_read_again():
+def test_bytes_of_file_names_survive_encoding():
     codecs.register_error("test_encodable", encodable)
     text = os.fsdecode(b"dive\xe9") + " \u03b1 \ud83d"
     assert text.encode("latin-1", "test_encodable") == b"dive\xe9 \\u03b1 \\ud83d"

@@ -62,7 +62,7 @@ def test_shares_are_told_in_percent_and_lengths_in_metres(run, asked, tmp_path):
 @pytest.mark.parametrize(
     "words", [("--duration", 1), ("--distance", 0), ("--seed", -1), ("--preset", "whale")]
 )
-def test_what_cannot_be_run_is_refused(run, asked, words):
+def test_bad_options_are_refused_before_a_run(run, asked, words):
     assert run(*words).code == 2
     assert asked == []
 

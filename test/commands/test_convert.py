@@ -35,7 +35,7 @@ def messages_of(path, topic):
 
 
 @pytest.mark.parametrize("copy", ["copy", "dive"], ids=["beside it", "in its place"])
-def test_what_metres_are_made_of_is_carried_along(command, dive, copy):
+def test_instruments_and_the_vehicle_file_are_copied_too(command, dive, copy):
     recorded = {topic: messages_of(dive, topic) for topic in CARRIED}
     vehicle = (dive / "vehicle.yaml").read_bytes()
     assert command("convert", dive, copy, "--force") == (0, f"3 frames: {copy}\n", "")
@@ -45,7 +45,9 @@ def test_what_metres_are_made_of_is_carried_along(command, dive, copy):
 
 
 @pytest.mark.parametrize("source", ["dive", "dive/dive.mcap"])
-def test_what_breaks_off_is_not_replaced_by_its_beginning(command, dive, source):
+def test_a_conversion_onto_itself_that_breaks_off_leaves_the_recording_as_it_was(
+    command, dive, source
+):
     with closing(open_bag(dive)) as recorded:
         images = list(recorded.messages(["/image"]))
     contents = (images[0].data, b"no message", images[2].data)
@@ -69,7 +71,7 @@ def test_one_file_of_a_bag_does_not_take_the_place_of_all(command, dive):
     assert (dive / "dive_1.mcap").is_file()
 
 
-def test_what_the_user_has_written_of_the_vehicle_is_kept_and_a_note_says_so(command, dive):
+def test_an_edited_vehicle_file_is_kept_with_a_note(command, dive):
     assert command("convert", dive / "dive.mcap", "copy")[0] == 0
     own = Path("copy", "vehicle.yaml")
     own.write_text("camera_x: 0.2\n")
@@ -91,7 +93,7 @@ def test_an_instrument_can_be_left_out(command, dive):
     assert messages_of(Path("copy"), "/odometry")
 
 
-def test_of_several_altitudes_none_is_taken_and_a_note_says_so(command, dive):
+def test_an_ambiguous_altitude_topic_is_not_copied_and_noted(command, dive):
     with closing(open_bag(dive)) as recorded, BagWriter(Path("two")) as bag:
         for each in recorded.messages(["/image", "/altitude"]):
             bag.write_serialised(each.topic, each.msgtype, each.data, each.time)
@@ -114,7 +116,7 @@ def test_messages_that_cannot_be_read_are_left_out_and_said(command, dive):
     assert notes.startswith("note: torn: /altitude: 3 of its messages cannot be read")
 
 
-def test_what_a_camera_of_12_bits_shows_is_kept_in_8_bits_and_said(command):
+def test_pictures_of_12_bits_are_scaled_to_8_bits_with_a_note(command):
     picture = np.linspace(0, 4095, 48 * 64).reshape(48, 64).astype(np.uint16)
     write_bag(Path("deep"), [Frame(0, 10**9, raw_from_array(picture, "mono16"))])
     code, _, notes = command("convert", "deep", "copy", "--format", "jpeg")

@@ -215,9 +215,7 @@ def test_a_malformed_line_of_the_truth_is_named(command, labels, tmp_path):
     assert f"line {len(labels.read_text().splitlines())} is malformed" in messages
 
 
-def test_what_a_worker_is_sent_does_not_depend_on_where_it_was_started(
-    monkeypatch, command, labels, tmp_path
-):
+def test_workers_are_sent_absolute_paths(monkeypatch, command, labels, tmp_path):
     sent = []
     monkeypatch.setattr(
         "cable_tracker.commands.evaluate.evaluate_cables",

@@ -37,7 +37,7 @@ def silent(command):
         pytest.param("survey", (), id="survey", marks=pytest.mark.slow),
     ],
 )
-def test_it_is_said_once_that_a_fixed_altitude_stands_in(command, silent, name, options):
+def test_the_use_of_a_fixed_altitude_is_noted_once(command, silent, name, options):
     code, said, notes = command(name, silent, "--output", "out", *options)
     assert code == 0
     words = " ".join((said + notes).split())

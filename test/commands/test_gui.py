@@ -18,7 +18,7 @@ pytest.importorskip("nicegui", reason="the windows need the extra `gui`")
         (("--odometry-topic", "/odom"), "--odometry-topic"),
     ],
 )
-def test_what_a_live_node_would_not_hear_of_is_refused(command, arguments, name):
+def test_options_that_would_not_reach_a_live_node_are_refused(command, arguments, name):
     code, _, told = command("gui", "--ros", "/", *arguments)
     assert code == 2
     assert f"{name} would not reach the node" in told

@@ -72,7 +72,7 @@ def test_a_bag_with_ground_truth_makes_a_table_for_track(command, bag):
     assert statuses == {"TRACKING"}
 
 
-def test_all_kinds_of_sources_teach_the_same(command, bag, labels, unlabelled):
+def test_all_kinds_of_sources_give_the_same_table(command, bag, labels, unlabelled):
     for name, source in (
         ("bag", (bag,)),
         ("sequence", (labels,)),
@@ -183,7 +183,7 @@ def test_the_frames_before_a_damage_count_and_the_other_recordings(command, bag,
     assert is_table(Path("b.json"))
 
 
-def test_what_cannot_be_read_from_its_first_frame_makes_no_table(command, labels):
+def test_a_sequence_unreadable_from_its_first_frame_makes_no_table(command, labels):
     first = min(Path("pictures").rglob("*.png"))
     first.write_bytes(b"garbage")
     code, printed, messages = command("learn", labels, "--output", "table.json")

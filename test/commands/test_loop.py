@@ -39,7 +39,7 @@ KEPT = LoopSummary(
         ("--method", "magic", "'magic' is none of default"),
     ],
 )
-def test_what_cannot_be_run_is_refused(command, tmp_path, option, value, words):
+def test_bad_options_are_refused(command, tmp_path, option, value, words):
     command("loop", option, value, "--output", str(tmp_path / "loop")).assert_refused(words)
 
 
@@ -77,7 +77,7 @@ def test_a_baseline_has_no_detector_of_the_filter_s(command, tmp_path):
     ).assert_refused("have no effect on lsd")
 
 
-def test_there_are_not_more_runs_at_once_than_domains(command, tmp_path):
+def test_more_workers_than_domains_are_refused(command, tmp_path):
     command(
         "loop", "--seeds", "2", "--workers", "99", "--output", str(tmp_path / "loop")
     ).assert_refused("workers is 99")

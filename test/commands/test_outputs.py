@@ -136,7 +136,7 @@ def test_a_folder_that_cannot_be_written_to_is_said_at_once(run, tmp_path, name)
 
 @pytest.mark.parametrize("inside", [(), ("chapter.tex",)], ids=["file", "folder"])
 @pytest.mark.parametrize("name", COMMANDS)
-def test_what_exists_is_not_replaced(run, tmp_path, name, inside):
+def test_a_foreign_file_or_folder_is_never_replaced(run, tmp_path, name, inside):
     output = tmp_path / "out"
     mine = output.joinpath(*inside)
     mine.parent.mkdir(exist_ok=True)

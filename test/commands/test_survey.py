@@ -148,7 +148,7 @@ def test_a_mistyped_topic_leaves_an_earlier_map_and_says_so(surveyed, dives, run
     assert (output / "events.csv").read_bytes() == before
 
 
-def test_what_a_worker_is_sent_does_not_depend_on_where_it_was_started(monkeypatch, tmp_path, run):
+def test_workers_are_sent_absolute_paths(monkeypatch, tmp_path, run):
     sent = []
 
     def note(paths, output, settings, *_args, **_options):
@@ -187,7 +187,7 @@ def test_without_odometry_there_is_no_route(tmp_path, dives, run):
         (("--imu-topic", "/nothing"), "there is no topic /nothing"),
     ],
 )
-def test_what_cannot_be_is_refused_with_words(tmp_path, dives, run, words, reason):
+def test_bad_options_are_refused_with_the_reason(tmp_path, dives, run, words, reason):
     code, said = run("survey", dives[0], "--output", tmp_path / "out", *words)
     assert code != 0
     assert reason in said

@@ -113,7 +113,7 @@ def test_a_detector_proposes_and_the_same_seed_gives_the_same_table(run, folder,
     assert [line[2] for line in table(tmp_path / "one")][-1] == "TRACKING"
 
 
-def test_where_nothing_is_claimed_the_state_is_empty(run, tmp_path):
+def test_rows_without_a_claim_have_no_state(run, tmp_path):
     (tmp_path / "water").mkdir()
     for index in range(3):
         picture = np.full((120, 160, 3), (90, 80, 40), np.uint8)
@@ -160,7 +160,7 @@ def test_the_bag_holds_what_the_node_would_publish(run, folder, first_box, tmp_p
 
 
 @pytest.mark.parametrize("option", ["--target-size", "--vehicle"])
-def test_what_asks_for_metres_where_there_is_no_calibration_is_told(run, folder, tmp_path, option):
+def test_options_for_metres_without_a_calibration_are_noted(run, folder, tmp_path, option):
     vehicle = tmp_path / "vehicle.yaml"
     vehicle.write_text("camera_pitch: 10.0\n")
     value = 0.5 if option == "--target-size" else vehicle

@@ -55,7 +55,7 @@ def test_a_start_may_have_a_negative_first_number(command, bag):
     assert command("track", bag, "--init", "-5,0.1,9,0", *TABLE_ALONE).code == 0
 
 
-def test_what_a_detector_says_is_claimed_like_any_other_find(command, bag):
+def test_a_detection_needs_the_evidence_of_a_find_and_the_truth_does_not(command, bag):
     demanding = ("-p", "evidence_to_find=100", "--force", *TABLE_ALONE)
 
     def statuses(init):

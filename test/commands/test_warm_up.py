@@ -3,7 +3,7 @@ from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.warm_up import variants
 
 
-def test_it_compiles_and_says_so(command):
+def test_warm_up_reports_that_the_loops_are_compiled(command):
     result = command("warm-up")
     assert result.code == 0
     assert "the inner loops are compiled" in result.out

@@ -120,7 +120,7 @@ def test_no_region_is_emptied():
     assert evolve(-nothing, start, PLAIN, by_means=False).mask.sum() == 398
 
 
-def test_what_cannot_evolve_is_refused():
+def test_images_and_masks_that_cannot_evolve_are_refused():
     image, mask = worked_example()
     with pytest.raises(FrameError, match="cannot evolve"):
         evolve(image[:10], mask, PLAIN, by_means=True)

@@ -159,6 +159,6 @@ def test_the_picture_is_left_as_it_is(detector, draw_strip):
     [np.zeros((8, 8), np.uint8), np.zeros((40, 40, 3), np.uint8), np.full((40, 40), np.nan, "f4")],
     ids=["tiny", "colour", "nan"],
 )
-def test_what_is_no_grey_picture_is_refused(detector, image):
+def test_an_image_that_is_not_grey_is_refused(detector, image):
     with pytest.raises(FrameError):
         detector.detect(image, None)

@@ -192,7 +192,7 @@ def test_a_smooth_strip_on_ripples_of_its_brightness_is_found_in_a_search(draw_s
     assert not is_near(propose(picture), FAINT)
 
 
-def test_what_is_proposed_otherwise_comes_first_in_a_search(draw_strip):
+def test_the_proposals_of_a_search_begin_with_the_usual_ones(draw_strip):
     picture = draw_strip(CABLES[0], (320, 240))
     usual = propose(picture)
     np.testing.assert_array_equal(propose(picture, is_searching=True)[: len(usual)], usual)

@@ -99,7 +99,7 @@ def test_frames_that_were_refused_neither_confirm_a_cable_nor_interrupt_its_sigh
     assert trial.mode is Mode.FOLLOWING
 
 
-def test_of_refused_frames_alone_a_vehicle_does_not_go_on(following):
+def test_the_vehicle_stops_when_all_frames_are_refused(following):
     for _ in range(round((HOLD_TIME + PAUSE) / STEP) - 1):
         following.passes_over_a_frame()
     assert following.command == STOP
@@ -249,7 +249,7 @@ def test_a_vehicle_that_moves_fast_has_not_jumped(following, blind):
 
 
 @pytest.mark.parametrize("other", [CableLine(1.5, 0.0), CableLine(-1.5, 0.0), CableLine(0.0, 1.0)])
-def test_what_lies_elsewhere_is_not_the_cable(following, other):
+def test_a_line_far_from_the_followed_one_is_not_followed(following, other):
     for _ in range(20):
         following.sees(other)
     assert following.mode is not Mode.FOLLOWING
@@ -269,7 +269,7 @@ def test_soon_after_the_loss_the_cable_is_near_the_line_and_later_it_may_have_be
     assert late.mode is Mode.FOLLOWING
 
 
-def test_what_is_followed_may_bend_away_from_the_line_of_before(following):
+def test_a_followed_cable_may_bend(following):
     for step in range(40):
         following.sees(CableLine(0.0, 0.02 * min(step, 20)))
         assert following.mode is Mode.FOLLOWING

@@ -10,7 +10,7 @@ def test_time_adds_up_from_step_to_step():
     assert clock.now == 0.5
 
 
-def test_what_a_clock_is_set_back_by_does_not_count():
+def test_the_step_clock_ignores_a_clock_that_is_set_back():
     clock = StepClock()
     steps = [
         (clock.advance(time), clock.was_set_back) for time in (1000.0, 1000.5, 10.0, 10.25, 10.25)

@@ -18,7 +18,7 @@ def run(follower, places, start=0.0):
     return [follower.step(start + number * DT, place) for number, place in enumerate(places)]
 
 
-def test_it_waits_until_a_target_is_seen():
+def test_the_follower_waits_until_a_target_is_seen():
     follower = TargetController(FollowSettings())
     assert run(follower, [None] * 5)[-1].surge == 0.0
     assert follower.mode is FollowMode.WAITING
@@ -32,7 +32,7 @@ def test_too_far_it_goes_on_and_too_near_it_backs_off(ahead, sign):
     assert -0.4 <= command.surge <= 0.8
 
 
-def test_it_turns_and_climbs_towards_the_target():
+def test_the_follower_turns_and_climbs_towards_the_target():
     follower = TargetController(FollowSettings())
     command = run(follower, [TargetPlace(3.0, 1.0, 0.5)])[-1]
     assert command.turn > 0.0
@@ -40,7 +40,7 @@ def test_it_turns_and_climbs_towards_the_target():
     assert abs(run(follower, [TargetPlace(0.1, -3.0, 0.0)])[-1].turn) == 0.5
 
 
-def test_it_comes_to_keep_its_distance_behind_a_target_that_moves():
+def test_the_follower_keeps_its_distance_behind_a_moving_target():
     follower = TargetController(FollowSettings(distance=2.5))
     gap, speed = 5.0, 0.35
     for number in range(2000):

@@ -64,7 +64,7 @@ def test_inputs_guided_by_coverage(target, tmp_path):
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: f"{path.parent.name}/{path.name}")
-def test_what_once_found_a_defect_finds_none_again(path):
+def test_inputs_that_once_found_a_defect_pass(path):
     data = path.read_bytes()
     tracemalloc.start()
     try:
@@ -75,7 +75,7 @@ def test_what_once_found_a_defect_finds_none_again(path):
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_what_a_fuzzer_begins_with_is_sound(target):
+def test_the_seeds_of_every_target_are_accepted(target):
     for data in TARGETS[target].seeds().values():
         TARGETS[target].run(data)
 

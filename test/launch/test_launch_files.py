@@ -68,7 +68,7 @@ def start(play: Play) -> Play:
 FILES = sorted(path.name for path in LAUNCH.glob("*.launch.py"))
 
 
-def test_there_is_one_for_each_tracker_a_recording_and_the_loop() -> None:
+def test_each_tracker_a_replay_and_the_loop_have_a_launch_file() -> None:
     wanted = {"loop", "replay", "target", "tracker"}
     assert {f"{name}.launch.py" for name in wanted} <= set(FILES)
 
@@ -183,7 +183,7 @@ class TestReplay:
         with pytest.raises(RuntimeError, match="'source' was not provided"):
             jazzy.run(LAUNCH / "replay.launch.py", {"cable_tracker": ROOT})
 
-    def test_both_nodes_meet_in_the_same_namespace_on_the_same_topic(self, start: Play) -> None:
+    def test_replay_and_tracker_share_namespace_and_image_topic(self, start: Play) -> None:
         nodes = start("replay.launch.py", namespace="auv", image="/cam", preset="thesis")
         assert {node.namespace for node in nodes.values()} == {"auv"}
         for topic in ("image", "image/compressed"):
@@ -191,7 +191,7 @@ class TestReplay:
         assert nodes["tracker"].values()["preset"] == "thesis"
         assert set(nodes["tracker"].files()) == {ROOT / "config" / "thesis.yaml"}
 
-    def test_both_nodes_hear_of_the_vehicle(self, start: Play, tmp_path: Path) -> None:
+    def test_replay_and_tracker_get_the_vehicle_file(self, start: Play, tmp_path: Path) -> None:
         file = tmp_path / "vehicle.yaml"
         file.write_text("/**:\n  ros__parameters:\n    camera_pitch: 70.0\n")
         nodes = start("replay.launch.py", vehicle=str(file))
@@ -220,12 +220,12 @@ class TestReplay:
         assert nodes["replay"].values()["publish_clock"] is True
         assert nodes["tracker"].values()["use_sim_time"] is True
 
-    def test_it_ends_with_the_recording(self, play: Play) -> None:
+    def test_a_launched_replay_handles_its_end(self, play: Play) -> None:
         assert len(play("replay.launch.py").handlers) == 1
 
 
 class TestLoop:
-    def test_it_starts_simulator_tracker_and_controller(self, start: Play) -> None:
+    def test_the_loop_starts_simulator_tracker_and_controller(self, start: Play) -> None:
         nodes = start("loop.launch.py", namespace="auv", seed="3", length="20")
         assert set(nodes) == {"simulator", "tracker", "controller"}
         assert {node.namespace for node in nodes.values()} == {"auv"}
@@ -236,7 +236,7 @@ class TestLoop:
         simulator = start("loop.launch.py")["simulator"]
         assert simulator.parameters[-1] == ROOT / "config" / "loop.yaml"
 
-    def test_all_read_the_file_that_says_how_the_camera_hangs(self, start: Play) -> None:
+    def test_all_nodes_of_the_loop_read_its_valid_parameter_file(self, start: Play) -> None:
         file = ROOT / "config" / "loop.yaml"
         for node in start("loop.launch.py").values():
             assert set(node.files()) == {file}

@@ -20,13 +20,13 @@ def words(*arguments) -> str:
     return "\n".join(advice(*arguments))
 
 
-def test_nothing_is_said_where_a_cable_was_claimed():
+def test_there_is_no_advice_where_a_cable_was_claimed():
     claimed = EstimateRow(9, 9, "TRACKING", presence=1.0, evidence=1.0)
     assert advice([*rows(), claimed], [], PARAMETERS) == []
     assert advice([], [], PARAMETERS) == []
 
 
-def test_what_was_too_low_is_said_with_what_is_asked_for():
+def test_advice_names_the_highest_value_and_the_threshold_above_it():
     said = words(rows(), [], PARAMETERS)
     assert "presence: at most 30%, presence_to_track asks for 80%" in said
     assert "evidence: the weaker border reached -2" in said
@@ -36,7 +36,7 @@ def test_what_was_too_low_is_said_with_what_is_asked_for():
     assert "presence:" not in words(rows(presence=1.0), [], PARAMETERS)
 
 
-def test_what_was_all_but_reached_does_not_look_reached():
+def test_advice_prints_enough_digits_to_tell_a_value_from_its_threshold():
     thesis = preset("thesis")
     assert "border reached 1.58, evidence_to_track asks for 1.6" in words(
         rows(1.0, 1.58), [], thesis

@@ -45,7 +45,7 @@ def names_in(folder) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
-def test_all_results_are_there_and_can_be_opened(tmp_path, dive):
+def test_every_result_is_written_and_can_be_read(tmp_path, dive):
     with CableFolder(tmp_path / "out") as results:
         assert names_in(tmp_path) == {".out.partial"}
         fill(results, dive)
@@ -75,7 +75,7 @@ def test_all_results_are_there_and_can_be_opened(tmp_path, dive):
         (WantedResults(False, False, False), NAMES - {"estimates.csv"}),
     ],
 )
-def test_what_is_not_wanted_is_not_written(tmp_path, dive, wanted, missing):
+def test_unwanted_results_are_not_written(tmp_path, dive, wanted, missing):
     with CableFolder(tmp_path / "out", wanted=wanted) as results:
         fill(results, dive[:2])
         results.bag.write_serialised("/state", "std_msgs/msg/Empty", b"\0\1\0\0", 1)
@@ -198,7 +198,7 @@ def test_a_video_that_cannot_be_begun_leaves_nothing_behind(tmp_path, monkeypatc
     assert names_in(tmp_path) == set()
 
 
-def test_what_the_user_has_put_among_earlier_results_is_not_lost(tmp_path, dive):
+def test_a_file_of_the_user_among_earlier_results_is_not_lost(tmp_path, dive):
     for _ in range(2):
         with CableFolder(tmp_path / "out", overwrite=True) as results:
             fill(results, dive[:2])

@@ -97,7 +97,7 @@ def test_bag_and_table_say_the_same(track, make_recording, dive):
         )
 
 
-def test_where_no_cable_is_claimed_there_are_no_numbers(track, make_recording):
+def test_rows_and_messages_without_a_claim_have_no_state(track, make_recording):
     folder, _ = track(make_recording(), given=GivenState.around(CableState(-20.0, 1.2, 5.0)))
     rows = read_estimates(folder / ESTIMATES)
     assert rows[0].status == "INITIALISING"
@@ -171,7 +171,7 @@ def test_a_track_starts_from_nothing_a_given_state_or_the_truth(make_recording, 
     assert given.is_certain
 
 
-def test_there_is_no_truth_to_start_from(make_recording, dive):
+def test_a_start_from_missing_truth_is_refused(make_recording, dive):
     unlabelled = [replace(dive[0], truth=None), *dive[1:]]
     with pytest.raises(ParameterError, match="no ground truth to start from"):
         given_state_for(make_recording(unlabelled), "truth", DEFAULT_LIMITS)

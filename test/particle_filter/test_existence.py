@@ -16,7 +16,7 @@ SHARES = st.floats(0.001, 0.999)
 LEAST, MOST = 1e-6, 1.0 - 1e-6
 
 
-def test_what_exists_may_go_and_what_does_not_may_come():
+def test_the_prediction_adds_survival_and_birth():
     predicted = predict_existence(0.8, 0.9, 0.1)
     assert predicted.survived == pytest.approx(0.72)
     assert predicted.born == pytest.approx(0.02)
@@ -51,11 +51,11 @@ def test_an_observation_that_says_nothing_changes_nothing(probability):
     ("log_evidence", "expected"),
     [(-math.inf, LEAST), (math.inf, MOST), (-1e6, LEAST), (1e6, MOST)],
 )
-def test_it_stays_between_its_limits_whatever_is_seen(log_evidence, expected):
+def test_existence_stays_between_its_limits(log_evidence, expected):
     predicted = PredictedExistence(0.5, 0.1)
     assert update_existence(predicted, log_evidence, LEAST, MOST) == expected
 
 
 @pytest.mark.parametrize("log_evidence", [-1.0, 1.0, math.inf])
-def test_what_must_exist_exists(log_evidence):
+def test_a_certain_existence_stays_certain(log_evidence):
     assert update_existence(PredictedExistence(1.0, 0.0), log_evidence, LEAST, MOST) == MOST

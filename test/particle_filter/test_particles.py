@@ -207,7 +207,7 @@ def test_every_particle_is_drawn_as_often_as_its_weight_says(scheme, count, rng)
 
 @SCHEMES
 @given(weights=weight_vectors(), count=st.integers(1, 60), seed=st.integers(0, 2**32 - 1))
-def test_what_is_drawn_has_the_wanted_number_and_a_positive_weight(scheme, weights, count, seed):
+def test_resampling_draws_as_many_as_wanted_of_positive_weight(scheme, weights, count, seed):
     indices = scheme(weights, count, np.random.default_rng(seed))
     assert indices.shape == (count,)
     assert indices.dtype == np.int64
@@ -251,7 +251,7 @@ def test_equal_weights_draw_every_particle_once(scheme, count, rng):
 
 
 @SCHEMES
-def test_one_particle_is_drawn_every_time(scheme, rng):
+def test_a_single_particle_is_drawn_every_time(scheme, rng):
     assert scheme(np.array([1.0]), 5, rng).tolist() == [0] * 5
 
 

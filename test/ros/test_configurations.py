@@ -79,7 +79,7 @@ class TestFoxglove:
         layout = load("foxglove.json")
         assert sorted(panels(layout["layout"])) == sorted(layout["configById"])
 
-    def test_it_has_overlay_scene_plots_and_diagnostics(self) -> None:
+    def test_the_foxglove_layout_has_overlay_scene_plots_and_diagnostics(self) -> None:
         kinds = {name.partition("!")[0] for name in load("foxglove.json")["configById"]}
         assert kinds == {"Image", "3D", "Plot", "DiagnosticSummary", "DiagnosticStatusPanel"}
 

@@ -202,7 +202,7 @@ class TestProcesses:
         assert tracker.end(signal.SIGINT) == 0
         assert not [path for path in mine if path.exists()]
 
-    def test_what_a_killed_tracker_leaves_is_removed_and_nothing_else(
+    def test_only_the_shared_memory_of_a_killed_tracker_is_removed(
         self, start_process: Make, world: Any
     ) -> None:
         before = set(SHARED_MEMORY.iterdir())

@@ -54,7 +54,7 @@ def test_another_missing_module_is_not_taken_for_ros(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code"), [(["--help"], 0), (["-p", "particle_count:=9"], 2), (["thesis"], 2)]
 )
-def test_what_does_not_stand_behind_ros_args_is_not_passed_over(
+def test_arguments_before_ros_args_print_the_usage(
     arguments: list[str],
     code: int,
     monkeypatch: pytest.MonkeyPatch,

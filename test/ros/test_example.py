@@ -33,7 +33,7 @@ def says(publisher: Any, offset: float, heading: float) -> None:
 
 
 @pytest.mark.parametrize(("offset", "heading"), [(0.4, 0.0), (0.0, 0.3)])
-def test_it_steers_to_where_the_cable_is_and_stops_without_one(
+def test_the_example_steers_towards_the_cable_and_stops_without_one(
     world: Any, example: Any, commands: list[Any], offset: float, heading: float
 ) -> None:
     world.add(example.FollowCable(context=world.context, namespace=world.namespace))

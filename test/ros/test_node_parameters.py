@@ -185,7 +185,7 @@ class TestRuntime:
         assert set_together(node, width_minimum=200.0, width_maximum=300.0).successful
         assert node.tracker.parameters.width_minimum == 200.0
 
-    def test_one_of_a_pair_is_refused_with_advice_that_works(self, world: Any) -> None:
+    def test_one_parameter_of_a_pair_is_refused_with_advice_that_works(self, world: Any) -> None:
         node = world.tracker()
         pair = [Parameter("width_minimum", value=250.0), Parameter("width_maximum", value=300.0)]
         # The service set_parameters gives them one after the other.
@@ -317,7 +317,7 @@ class TestRuntime:
             ("image_reliability", "reliable"),
         ],
     )
-    def test_what_is_read_at_start_only_cannot_be_changed(
+    def test_parameters_read_at_the_start_cannot_be_changed(
         self, world: Any, name: str, value: str
     ) -> None:
         node = world.tracker()

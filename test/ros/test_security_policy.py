@@ -50,7 +50,7 @@ def union(sets: list[tuple[set[str], ...]]) -> list[set[str]]:
     return [set().union(*each) for each in zip(*sets, strict=True)]
 
 
-def test_it_is_what_the_tracker_does(world: Any) -> None:
+def test_the_policy_allows_exactly_the_topics_and_services_of_the_tracker(world: Any) -> None:
     seen = []
     for transport, reliability in (("raw", "reliable"), ("compressed", "best_effort")):
         node = world.tracker(
@@ -65,7 +65,7 @@ def test_it_is_what_the_tracker_does(world: Any) -> None:
 
 
 @pytest.mark.parametrize("clock", [True, False])
-def test_it_is_what_the_replay_does(
+def test_the_policy_allows_exactly_the_topics_and_services_of_the_replay(
     world: Any, make_dive: Callable[..., Path], vehicle_bag: Path, clock: bool
 ) -> None:
     seen = []

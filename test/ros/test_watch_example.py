@@ -15,7 +15,7 @@ def watcher(world: Any, load_example: Callable[[str], Any]) -> Any:
     return world.add(module.WatchTracker(context=world.context, namespace=world.namespace))
 
 
-def test_it_sets_parameters_and_resets(
+def test_the_example_sets_parameters_and_resets(
     world: Any, watcher: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     tracker = world.tracker()
@@ -37,7 +37,7 @@ def test_it_sets_parameters_and_resets(
     assert answer.result().success
 
 
-def test_it_prints_where_the_cable_is(
+def test_the_example_prints_where_the_cable_is(
     world: Any,
     watcher: Any,
     near: str,
@@ -56,7 +56,7 @@ def test_it_prints_where_the_cable_is(
     world.spin(heard, patience=60.0)
 
 
-def test_it_says_that_no_cable_is_claimed(
+def test_the_example_prints_that_no_cable_is_claimed(
     world: Any,
     watcher: Any,
     image_message: Callable[..., Any],

@@ -288,14 +288,14 @@ def test_a_png_of_16_bits_has_the_levels_of_the_raw_picture(encoding):
     np.testing.assert_allclose(decode_grey(image), decode_grey(raw), atol=1.5 / 257)
 
 
-def test_of_16_bits_of_a_mosaic_jpeg_leaves_8():
+def test_a_jpeg_of_a_16_bit_mosaic_is_decoded_as_8_bit():
     grey = np.full((HEIGHT, WIDTH), 90, np.uint8)
     data = memoryview(cv2.imencode(".jpg", grey)[1].tobytes())
     image = CompressedImage("bayer_rggb16; jpeg compressed ", data)
     np.testing.assert_allclose(decode_grey(image), 90.0, atol=1.0)
 
 
-def test_what_a_bayer_camera_sends_in_colour_is_no_mosaic():
+def test_a_colour_picture_of_a_bayer_camera_is_not_demosaiced():
     colours = random_numbers("bgr8")
     data = memoryview(cv2.imencode(".png", colours)[1].tobytes())
     image = CompressedImage("bayer_rggb8; png compressed bgr8", data)

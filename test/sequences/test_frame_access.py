@@ -105,7 +105,7 @@ def test_the_end_is_found_also_from_beyond_it(numbers):
     assert frames.count == 10
 
 
-def test_there_are_no_negative_numbers(numbers):
+def test_a_negative_frame_number_is_refused(numbers):
     with pytest.raises(IndexError):
         FrameAccess(numbers).frame(-1)
 

@@ -35,7 +35,7 @@ def test_runs_of_digits_count_as_numbers():
         ["1699999999.5000000.png", "1699999999.45000000.png", "1699999999.250000000.png"],
     ],
 )
-def test_what_follows_a_point_is_a_decimal_unless_it_counts(names):
+def test_digits_after_a_point_are_a_decimal_unless_they_count(names):
     assert in_order(*names) == in_order(*reversed(names)) == names
 
 

@@ -8,11 +8,11 @@ def kept():
     return RecentlyUsed(30)
 
 
-def test_what_is_not_kept_is_not_there(kept):
+def test_a_missing_key_gives_none(kept):
     assert kept.get(1) is None
 
 
-def test_what_was_not_used_for_longest_goes(kept):
+def test_the_least_recently_used_entry_is_dropped(kept):
     for number in (1, 2, 3):
         kept.put(number, str(number), 10)
     assert kept.get(1) == "1"

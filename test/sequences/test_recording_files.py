@@ -31,5 +31,5 @@ def test_a_bag_is_what_lies_in_its_folder_without_the_results_in_folders_within(
     assert recording_files(tmp_path / named) == files
 
 
-def test_what_is_missing_is_named_all_the_same(tmp_path):
+def test_a_missing_recording_is_its_own_file(tmp_path):
     assert recording_files(tmp_path / "dive") == [tmp_path / "dive"]

@@ -198,9 +198,7 @@ def days(tmp_path, picture):
 
 
 @pytest.mark.parametrize("place", ["dives/", "", "elsewhere/"])
-def test_of_labels_for_several_folders_the_own_ones_count(
-    tmp_path, days, write_truth, place, state
-):
+def test_labels_of_several_folders_are_matched_by_folder(tmp_path, days, write_truth, place, state):
     truth = write_truth(
         ("day1/0.png", None), ("day2/0.png", None), ("day1/1.png", None), ("day3/1.png", None)
     )
@@ -230,9 +228,7 @@ def test_labels_of_a_folder_that_was_renamed_are_attached_by_name(days, write_tr
     }
 
 
-def test_of_labels_for_videos_of_one_name_those_of_the_own_folder_count(
-    make_video, write_truth, state
-):
+def test_labels_of_videos_of_one_name_are_matched_by_folder(make_video, write_truth, state):
     video = make_video()
     truth = write_truth(("other/dive.avi", 2), ("dive.avi", 2))
     assert labelled(open_source(video, truth=truth)) == {2: state(1).at_rest()}
@@ -246,7 +242,7 @@ def test_labels_are_attached_to_pictures_by_number(pictures, write_truth, state)
     assert labelled(open_source(pictures, truth=truth)) == {1: state(0).at_rest()}
 
 
-def test_of_labels_for_several_videos_the_own_ones_count(make_video, write_truth, state):
+def test_labels_of_several_videos_are_matched_by_name(make_video, write_truth, state):
     truth = write_truth(("other.mp4", 1), ("dive.avi", 2))
     assert labelled(open_source(make_video(), truth=truth)) == {2: state(1).at_rest()}
 
@@ -340,7 +336,7 @@ def test_a_label_without_a_number_is_none_of_a_frame_of_a_bag(make_bag, truth_of
 
 
 @pytest.mark.parametrize("name", ["dive.avi: 3", "dive.avi:three", "dive.avi:-1", "dive.avi"])
-def test_what_is_no_number_of_a_frame_is_malformed(make_video, truth_of, name):
+def test_a_bad_frame_number_is_malformed(make_video, truth_of, name):
     with pytest.raises(RecordingError, match=r"line 3 is malformed .*dive\.avi"):
         open_source(make_video(), truth=truth_of("dive.avi:2", name))
 

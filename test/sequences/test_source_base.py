@@ -59,7 +59,7 @@ def test_a_frame_without_an_image_stops_the_reading(make_frame, compressed):
 
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("decode", [decode_grey, decode_bgr])
-def test_what_decodes_a_frame_without_an_image_is_told_why_there_is_none(compressed, decode):
+def test_decoding_a_missing_image_raises_the_reason(compressed, decode):
     (frame,) = ListSource([wet(compressed=compressed)], skip_bad_frames=True).frames()
     assert not frame.has_image
     with pytest.raises(FrameError, match=r"^it is wet$"):

@@ -33,7 +33,7 @@ def test_a_picture_that_uses_its_levels_stays_as_it_is(spread):
 
 
 @given(SPREADS, GAINS)
-def test_what_is_amplified_is_spread_as_bytes_would_be(spread, before):
+def test_the_gain_is_a_power_of_two_that_spreads_levels_like_bytes(spread, before):
     gain = level_gain(before, spread_over(spread))
     assert 1.0 <= gain <= LARGEST_GAIN
     assert frexp(gain)[0] == 0.5
@@ -61,7 +61,7 @@ def test_a_mark_burned_into_a_dim_picture_does_not_hide_its_scene():
 
 
 @given(st.floats(0.0, 250.0), SPREADS)
-def test_what_is_rounded_to_bytes_is_not_cut_off(darkest, spread):
+def test_the_gain_before_rounding_to_bytes_cuts_off_no_levels(darkest, spread):
     picture = np.minimum(np.float32(darkest) + spread_over(spread), np.float32(255.0))
     gain = byte_gain(picture)
     assert gain in {1.0, *(2.0**power for power in range(9))}

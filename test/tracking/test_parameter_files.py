@@ -51,7 +51,7 @@ def any_parameters(draw) -> TrackerParameters:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(any_parameters())
-def test_what_is_written_is_read_back_exactly(written, parameters):
+def test_a_written_parameter_file_is_read_back_exactly(written, parameters):
     path = written(format_parameter_file(parameters, "Any."))
     again = TrackerParameters().replaced(read_parameter_file(path))
     assert again == parameters
@@ -120,7 +120,7 @@ def test_small_numbers_may_be_written_as_in_ros(written, text):
         "epsilon: 1:30.5",
     ],
 )
-def test_what_is_no_number_for_ros_is_none_here_either(written, line):
+def test_text_that_is_no_number_for_ros_stays_text(written, line):
     values = read_parameter_file(written(f"{line}\n"))
     name, text = line.split(": ")
     assert values == {name: text}
@@ -137,7 +137,7 @@ def test_other_whole_numbers_are_those_of_ros(written):
     ("text", "number"),
     [("08", 8.0), ("+08", 8.0), ("-09", -9.0), ("0190", 190.0), ("'08'", "08"), ("08 m", "08 m")],
 )
-def test_what_begins_with_0_and_cannot_be_octal_is_decimal_as_for_ros(written, text, number):
+def test_a_leading_0_of_a_number_that_cannot_be_octal_is_ignored_as_by_ros(written, text, number):
     assert read_parameter_file(written(f"search_time: {text}\n")) == {"search_time": number}
 
 

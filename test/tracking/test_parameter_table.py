@@ -134,13 +134,13 @@ def test_numbers_of_other_kinds_are_taken_and_kept_as_plain_ones(name, value, pl
 @pytest.mark.parametrize(
     "value", [np.float32(2.5), 2.5, np.nan, np.inf, np.bool_(True), True, 2j, "2", [], None]
 )
-def test_what_is_no_whole_number_is_refused_where_one_is_meant(value):
+def test_a_bad_whole_number_is_refused(value):
     with pytest.raises(ParameterError, match=r"bulbs: .* is not a whole number"):
         LampParameters().replaced({"bulbs": value})
 
 
 @pytest.mark.parametrize("value", [np.bool_(True), True, 2j, "2", np.ones(2), [1.0], None])
-def test_what_is_no_number_is_refused_where_one_is_meant(value):
+def test_a_bad_number_is_refused(value):
     with pytest.raises(ParameterError, match=r"brightest: .* is not a number"):
         LampParameters().replaced({"brightest": value})
 
@@ -163,7 +163,7 @@ def test_a_number_outside_its_range_is_refused(name, value):
 
 
 @pytest.mark.parametrize(("name", "value"), [("colour", 3), ("place", 3), ("place", None)])
-def test_what_is_no_text_is_refused_where_one_is_meant(name, value):
+def test_a_bad_word_is_refused(name, value):
     with pytest.raises(ParameterError, match=rf"{name}: .* is not a word"):
         LampParameters().replaced({name: value})
 

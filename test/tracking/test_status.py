@@ -35,18 +35,18 @@ def test_evidence_must_hold_for_the_confirmation_time():
     assert run(StatusMachine(), [GOOD] * 4) == [INITIALISING, INITIALISING, TRACKING, TRACKING]
 
 
-def test_one_bad_frame_begins_the_confirmation_anew():
+def test_one_bad_frame_restarts_the_confirmation():
     evidences = [GOOD, GOOD, MIDDLING, GOOD, GOOD, GOOD]
     assert run(StatusMachine(), evidences) == [INITIALISING] * 5 + [TRACKING]
 
 
-def test_it_is_time_that_counts_not_frames():
+def test_a_claim_is_confirmed_by_time_not_by_frames():
     assert run(StatusMachine(), [GOOD], dt=0.2) == [TRACKING]
     assert run(StatusMachine(), [GOOD] * 11, dt=0.01) == [INITIALISING] * 11
 
 
 @pytest.mark.parametrize(("keeping", "status"), [(False, LOST), (True, TRACKING)])
-def test_what_contradicts_a_claim_does_not_wait_for_the_loss_time(keeping, status):
+def test_a_contradicted_claim_is_lost_at_once(keeping, status):
     machine = StatusMachine(TRACKING).after(
         supports_claim=False,
         supports_keeping=keeping,
@@ -87,7 +87,7 @@ def test_a_lost_cable_can_be_found_again():
     assert run(StatusMachine(LOST), [MIDDLING, GOOD, GOOD, GOOD]) == [LOST, LOST, LOST, TRACKING]
 
 
-def test_who_was_told_where_the_cable_is_needs_one_good_frame():
+def test_a_given_cable_is_confirmed_by_its_first_frame_alone():
     assert run(StatusMachine().confirm_with_next_frame(), [GOOD]) == [TRACKING]
     assert run(StatusMachine().confirm_with_next_frame(), [MIDDLING, GOOD]) == [
         INITIALISING,
@@ -117,7 +117,7 @@ def test_a_claim_is_of_something_new_until_there_was_one():
     assert not StatusMachine(LOST).is_first_claim(4.0)
 
 
-def test_what_has_not_been_seen_for_long_is_forgotten():
+def test_a_cable_not_seen_for_long_is_forgotten():
     machine = StatusMachine(LOST)
     for _ in range(5):
         machine = after(machine, BAD, 1.0)

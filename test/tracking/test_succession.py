@@ -29,7 +29,7 @@ FIRST = FrameMark((320, 240), 1_000_000_000)
         (np.full((20, 20), np.inf, np.float32), "infinite"),
     ],
 )
-def test_what_cannot_be_measured_is_refused(image, words):
+def test_bad_levels_are_refused(image, words):
     with pytest.raises(FrameError, match=words):
         check_levels(image)
 
@@ -56,7 +56,7 @@ def test_small_pictures_are_accepted(shape, dtype):
         (np.full((20, 20), -3e38, np.float32), "between -1e\\+09 and 1e\\+09"),
     ],
 )
-def test_what_is_no_grey_picture_is_refused_in_one_line(image, words):
+def test_a_bad_picture_is_refused_in_one_line(image, words):
     with pytest.raises(FrameError, match=words) as caught:
         check_frame(image)
     assert "\n" not in str(caught.value)
@@ -91,7 +91,7 @@ def test_a_frame_in_time_goes_on():
         (5.001, (320, 240), "no frame for 5.001 s"),
     ],
 )
-def test_what_cannot_go_on_starts_anew_and_says_why(seconds, size, event):
+def test_a_gap_or_another_size_restarts_tracking_with_the_reason(seconds, size, event):
     is_same = size == (320, 240)
     assert following(seconds, size) == Succession(0.04, event, is_same)
 
@@ -116,7 +116,7 @@ def test_a_frame_that_was_overtaken_is_refused(seconds):
 @given(st.integers(-300_000_000, 300_000_000))
 @example(-200_000_000)
 @example(1000)
-def test_what_is_out_of_order_is_what_is_refused(step):
+def test_frames_out_of_order_are_exactly_the_refused_ones(step):
     def is_refused() -> bool:
         try:
             succession(FIRST, FrameMark(FIRST.size, FIRST.stamp + step), maximum_gap=5.0)
@@ -129,7 +129,7 @@ def test_what_is_out_of_order_is_what_is_refused(step):
 
 @pytest.mark.parametrize("stamp", [math.nan, math.inf, -math.inf, 2**63, None, "3"])
 @pytest.mark.parametrize("before", [None, FIRST])
-def test_what_is_no_time_is_refused(before, stamp):
+def test_a_stamp_that_is_no_time_is_refused(before, stamp):
     with pytest.raises(FrameError, match="is no time; give whole nanoseconds"):
         succession(before, FrameMark((320, 240), stamp), 5.0)
 

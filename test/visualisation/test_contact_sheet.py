@@ -77,7 +77,7 @@ def test_a_sheet_of_one_frame_has_its_size():
     assert sheet.draw().shape == (48 + caption + 8, 64 + 8, 3)
 
 
-def test_nothing_is_written_over_the_picture():
+def test_the_label_stands_below_the_picture():
     sheet = ContactSheet(thumbnail_width=64)
     sheet.add(_picture, 123, "INITIALISING 12 %", AMBER)
     drawn = sheet.draw()

@@ -53,7 +53,7 @@ def test_lines_are_drawn_where_the_state_says(state):
     assert _border_distance(picture, GREEN, state).max() < 1.5
 
 
-def test_all_three_lines_are_drawn():
+def test_both_borders_and_the_centreline_are_drawn():
     picture = draw_overlay(BLACK, state=CableState(0.0, 0.0, 60.0), status="TRACKING")
     row = _near(picture, GREEN)[200]
     assert row[128:132].any()
@@ -301,7 +301,7 @@ def test_a_state_that_is_no_number_is_not_drawn():
 
 
 @pytest.mark.parametrize("shape", [(0, 0), (5,), (4, 4, 4), (4, 4, 1), (2, 4, 4, 3)])
-def test_what_is_no_image_is_refused(shape):
+def test_an_array_that_is_no_image_is_refused(shape):
     with pytest.raises(FrameError, match="image: shape is"):
         draw_overlay(np.zeros(shape, dtype=np.uint8), state=None, status="LOST")
 

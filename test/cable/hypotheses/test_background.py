@@ -53,7 +53,7 @@ def test_a_single_strip_has_no_like_in_the_picture(background, rng):
     assert level_of(picture, pose) > found.means[0] + 5.0 * found.deviations[0]
 
 
-def test_one_ripple_of_many_has(background, rng):
+def test_one_ripple_of_many_is_explained_by_the_bottom(background, rng):
     stripes = 60.0 * (np.sin(2.0 * np.pi * np.arange(320) / 32.0) > 0.0)
     picture = grain(rng) + stripes
     pose = [8.0 - 160.0 + 0.5 + 160.0, 0.0, 16.0, 0.0]
@@ -118,7 +118,7 @@ def test_a_strip_elsewhere_shares_none():
     assert not shares_border(beside(turn=0.3), STRIP, 1.0)
 
 
-def test_what_is_near_grows_with_the_picture():
+def test_the_distance_at_which_strips_share_a_border_grows_with_the_picture():
     neighbour = beside(gap=12.0)
     assert not shares_border(neighbour, STRIP, 1.0)
     assert shares_border(neighbour, STRIP, 2.0)

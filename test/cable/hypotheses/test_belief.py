@@ -107,14 +107,14 @@ def test_the_usual_width_fits_best_and_others_the_worse_the_farther(width, far, 
     np.testing.assert_allclose(values[3:], values[1:3], atol=1e-6)
 
 
-def test_it_says_less_the_longer_no_cable_is_seen():
+def test_the_remembered_width_counts_less_the_longer_no_cable_is_seen():
     usual = as_wide_as(30.0)
     now, soon, late = (factors(replace(usual, seconds=s), [60.0])[0] for s in (0.0, 4.0, 4000.0))
     assert now < soon < late < 0.0
     assert late == pytest.approx(0.0, abs=1e-3)
 
 
-def test_it_says_more_the_longer_a_cable_was_seen():
+def test_the_remembered_width_counts_more_the_longer_a_cable_was_seen():
     young, old = (replace(as_wide_as(30.0), tracked_time=s) for s in (0.0, 60.0))
     assert factors(old, [60.0])[0] < factors(young, [60.0])[0] < 0.0
 
@@ -142,7 +142,7 @@ def test_the_mean_follows_within_its_time_and_is_seen_again():
 
 
 @given(st.floats(0.0, 5.0), st.floats(0.0, 5.0))
-def test_it_is_time_that_counts_not_frames(first, second):
+def test_the_width_is_averaged_over_time_not_over_frames(first, second):
     usual = as_wide_as(30.0)
     wide = cable(width=60.0)
     twice = remembered(remembered(usual, wide, first), wide, second)

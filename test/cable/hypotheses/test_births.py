@@ -239,7 +239,7 @@ def test_a_map_moves_a_part_of_the_births_to_its_strips(memory, rng):
     assert np.mean(gained) * np.prod(2.0 * reach) == pytest.approx(MAP_SHARE, rel=0.1)
 
 
-def test_of_two_strips_each_has_half_of_it():
+def test_births_are_shared_equally_by_two_strips_of_the_map():
     one, other = cable(-60.0, -0.4, 20.0), cable(80.0, 0.5, 50.0)
     both, single = by_map(one, other), by_map(one)
     assert birth_density(one, 0.0, both) == pytest.approx(0.5 * birth_density(one, 0.0, single))

@@ -127,7 +127,7 @@ def test_a_belief_that_ages_remembers_what_is_older():
     assert aged.aged(0.2).memory.seconds == pytest.approx(1.3)
 
 
-def test_what_was_given_stays_so_while_frames_hold_it_for_a_cable():
+def test_a_given_cable_stays_given_while_frames_take_it_for_a_cable():
     given = replace(BEFORE, is_given=True)
     assert updated(concluded(), given).is_given
     assert not updated(concluded(goes_on=False), given).is_given
@@ -143,7 +143,7 @@ def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_
     assert clear.memory is not None
 
 
-def test_what_is_lost_in_the_map_is_clear_only_if_a_frame_before_held_it_for_a_cable():
+def test_a_strip_lost_in_the_map_is_clear_only_if_an_earlier_frame_took_it_for_a_cable():
     found = concluded(clearness=0.9 * CRISP)
     smeared = found.hypotheses._replace(is_mapped=True, appearance=5.0, overlap_share=0.1)
     found, other = (found._replace(hypotheses=smeared, goes_on=each) for each in (True, False))
@@ -175,7 +175,7 @@ def test_a_frame_without_a_cable_says_nothing_of_its_polarity():
     assert updated_p_bright(0.8, 0.1, 1.0, 1.0, 0.04) == pytest.approx(0.1)
 
 
-def test_what_was_known_is_forgotten_with_time():
+def test_the_polarity_is_forgotten_with_time():
     soon, late = (updated_p_bright(0.9, 0.9, 0.0, 0.9, dt) for dt in (0.04, 4.0))
     assert 0.5 < late < soon < 0.9
 
@@ -227,7 +227,7 @@ def test_a_claim_needs_presence_length_and_evidence_and_a_new_one_clearness(
     ],
     ids=["there", "beside it", "where it may be by now", "narrower"],
 )
-def test_what_is_not_clear_is_claimed_where_the_cable_was_and_as_wide(leader, seconds, claim):
+def test_a_faint_cable_is_claimed_only_near_the_remembered_place_and_width(leader, seconds, claim):
     found = summary(
         clearness=FAINT,
         leader=leader.to_array(),
@@ -266,7 +266,7 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
 
 
 @given(st.floats(0.5, 20.0), st.floats(3.0, 200.0), st.floats(-20.0, -0.01))
-def test_what_the_map_says_is_nothing_like_a_cable_is_claimed_only_if_it_is_crisp_and_wide(
+def test_a_strip_unlike_a_cable_by_the_map_is_claimed_only_if_crisp_and_wide(
     clearness, width, beyond
 ):
     leader = CableState(10.0, 0.2, width).to_array()
@@ -279,7 +279,7 @@ def test_what_the_map_says_is_nothing_like_a_cable_is_claimed_only_if_it_is_cris
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(1.0, 3.0))
-def test_what_has_little_in_common_with_the_map_is_claimed_only_if_it_is_crisp(
+def test_a_strip_with_little_overlap_with_the_map_is_lost_in_it_unless_crisp(
     share, least, clearness
 ):
     hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
@@ -350,7 +350,7 @@ def test_a_cable_of_the_usual_width_needs_what_the_parameter_says():
     assert needed_clearness(2 * USUAL, PARAMETERS, 2.0) == PARAMETERS.evidence_to_find
 
 
-def test_one_half_as_wide_needs_twice_as_much():
+def test_a_cable_half_as_wide_needs_twice_the_evidence():
     needed = needed_clearness(USUAL / 2, PARAMETERS, 1.0)
     assert needed == pytest.approx(2 * PARAMETERS.evidence_to_find)
 
@@ -366,7 +366,7 @@ def test_a_wider_one_never_needs_more_and_there_are_limits(width, other):
 
 
 @pytest.mark.parametrize("evidence", [0.0, -1.0])
-def test_who_asks_for_nothing_gets_any_width(evidence):
+def test_without_evidence_to_find_the_width_does_not_matter(evidence):
     parameters = TrackerParameters(evidence_to_find=evidence)
     assert needed_clearness(4.0, parameters, 1.0) == evidence
 

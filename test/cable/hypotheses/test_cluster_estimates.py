@@ -58,7 +58,7 @@ def test_borders_that_are_alike_displace_no_component_with_another():
 
 
 @pytest.mark.parametrize(("border_means", "side"), [((9.0, 0.0), 1.0), ((0.0, 9.0), -1.0)])
-def test_one_lost_border_takes_half_of_its_way_from_d_and_all_from_w(border_means, side):
+def test_the_displacement_of_one_lost_border_counts_half_in_d_and_fully_in_w(border_means, side):
     covariance = displaced(*border_means)
     sigmas = np.sqrt(np.diag(covariance)[:4])
     # A border lost by 20 of 80 px of these frames; the other one lies where it is seen.
@@ -95,7 +95,7 @@ def test_the_width_is_about_that_of_the_strip_whose_smoothed_borders_are_steepes
 
 
 @given(narrow=st.floats(0.0, 300.0), more=st.floats(0.01, 100.0))
-def test_what_is_seen_wider_is_wider(narrow, more):
+def test_the_width_before_smoothing_grows_with_the_width_seen(narrow, more):
     widths = [
         width_before_smoothing(each, preset("default"), 1.0) for each in (narrow, narrow + more)
     ]
@@ -103,7 +103,7 @@ def test_what_is_seen_wider_is_wider(narrow, more):
 
 
 @given(width=st.floats(0.0, 500.0))
-def test_of_what_is_thinner_than_the_smoothing_most_of_the_width_is_left(width):
+def test_a_cable_thinner_than_the_smoothing_keeps_most_of_its_width(width):
     left = width_before_smoothing(width, preset("default"), 1.0)
     assert LEAST_WIDTH_SHARE * width <= left <= width
 

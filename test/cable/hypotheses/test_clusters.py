@@ -191,7 +191,7 @@ def test_the_most_probable_cable_leads_not_the_heaviest_cluster():
     assert kernels.most_probable_first(masses, log_odds).tolist() == [1, 0, 2]
 
 
-def test_of_equally_probable_clusters_the_heavier_stays_first():
+def test_equally_probable_clusters_keep_their_order():
     masses, log_odds = np.array([0.5, 0.5]), np.array([5.0, 5.0])
     assert kernels.most_probable_first(masses, log_odds).tolist() == [0, 1]
 

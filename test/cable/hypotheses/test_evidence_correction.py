@@ -65,7 +65,7 @@ def evidence_after(evidence, survived=0.0, **others) -> float:
     return changes[0]
 
 
-def test_what_a_map_adds_to_particles_is_not_counted_again_for_their_group():
+def test_the_share_of_the_map_in_the_evidence_is_not_counted_again_for_a_group():
     assert evidence_after(3.0, mapped=2.0) == pytest.approx(evidence_after(1.0))
 
 
@@ -88,7 +88,7 @@ def test_the_clearer_the_map_is_the_less_count_the_borders(mapped, share):
     assert unlike == pytest.approx(share * BACKGROUND_SHARE * above - 3.0)
 
 
-def test_of_a_new_group_a_share_counts_that_it_explains():
+def test_the_evidence_of_a_new_group_counts_by_the_share_that_it_explains():
     assert evidence_after(3.0) == pytest.approx(BACKGROUND_SHARE * 3.0)
     assert evidence_after(-3.0) == pytest.approx(BACKGROUND_SHARE * -3.0)
 
@@ -100,7 +100,7 @@ def test_how_much_it_looks_like_a_cable_counts_fully():
     )
 
 
-def test_of_a_new_group_counts_what_it_explains_better_than_one_that_goes_on():
+def test_a_new_group_gains_only_the_evidence_beyond_that_of_the_surviving_group():
     log_prior = np.log([0.9, 0.1])
     for old, new in ((5.0, 7.0), (7.0, 5.0), (0.0, 99.0)):
         ratios = np.array([old, new]) / BACKGROUND_SHARE
@@ -110,7 +110,7 @@ def test_of_a_new_group_counts_what_it_explains_better_than_one_that_goes_on():
         assert second == pytest.approx(0.15 * old + min(new - old, 8.0))
 
 
-def test_what_the_bottom_explains_as_well_does_not_count():
+def test_evidence_that_the_bottom_explains_too_does_not_count():
     assert evidence_after(6.0, background=4.0) == pytest.approx(BACKGROUND_SHARE * 2.0)
 
 
@@ -119,12 +119,12 @@ def test_evidence_for_thin_strips_counts_less():
     assert evidence_after(4.0, width=12.0) == pytest.approx(BACKGROUND_SHARE * 4.0)
 
 
-def test_it_counts_up_to_the_limit_which_a_wrong_width_lowers():
+def test_evidence_counts_up_to_a_limit_that_a_wrong_width_lowers():
     assert evidence_after(100.0) == pytest.approx(8.0)
     assert evidence_after(100.0, penalty=-3.0) == pytest.approx(5.0)
 
 
-def test_what_survived_counts_once_more_only_by_a_share():
+def test_the_evidence_of_a_surviving_group_counts_only_by_the_repeated_share():
     assert evidence_after(6.0, survived=1.0) == pytest.approx(6.0 * BACKGROUND_SHARE * 0.15)
     assert evidence_after(6.0, survived=0.5) == pytest.approx(
         6.0 * BACKGROUND_SHARE * (0.5 * 0.15 + 0.5)
@@ -137,7 +137,7 @@ def test_within_a_group_the_likelihood_decides_as_before():
     assert after[0] - after[1] == pytest.approx(2.0)
 
 
-def test_what_is_impossible_stays_so():
+def test_an_impossible_particle_stays_impossible():
     impossible = np.full(2, -math.inf)
     assert (corrected(impossible, impossible, [1.0] * 2, [0, 0]) == -math.inf).all()
 

@@ -104,7 +104,7 @@ PROPOSALS = {
 }
 
 
-def test_no_proposal_is_a_second_prior(strip):
+def test_the_posterior_does_not_depend_on_the_proposals(strip):
     """Wherever particles are drawn, their weights give the posterior of the same prior.
 
     The detector sees the cable beside its place and the likelihood is weak: if what is proposed
@@ -122,7 +122,7 @@ def test_no_proposal_is_a_second_prior(strip):
         assert (tolerance[:3] < 0.5 * (beside[0, :3] - STRIP.to_array()[:3])).all(), name
 
 
-def test_no_proposal_changes_whether_there_is_a_cable(strip):
+def test_the_presence_does_not_depend_on_the_proposals(strip):
     log_odds = {}
     for name, changes in PROPOSALS.items():
         values = []
@@ -242,7 +242,7 @@ def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     assert cable_filter.first_belief().known_time == 0.0
 
 
-def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
+def test_a_guessed_cable_too_faint_to_claim_is_never_known(strip):
     cable_filter = make_filter(evidence_to_find=100.0)
     guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     assert run(cable_filter, guess, [strip] * 10, FOUND)[-1].known_time == 0.0
@@ -250,7 +250,7 @@ def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
     assert run(cable_filter, given, [strip] * 10, FOUND)[-1].is_given
 
 
-def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
+def test_a_guessed_cable_too_faint_to_claim_is_not_remembered(strip):
     cable_filter = make_filter(evidence_to_find=100.0)
     guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     believed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
@@ -261,7 +261,7 @@ def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
     assert run(cable_filter, given, [strip] * 10, FOUND)[-1].memory is not None
 
 
-def test_what_cannot_be_claimed_for_long_is_a_new_search(strip):
+def test_a_new_search_begins_after_too_long_without_a_claim(strip):
     cable_filter = make_filter(evidence_to_find=100.0, search_time=0.4)
     guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     beliefs = run(cable_filter, guess, [strip] * 30, FOUND)
@@ -282,7 +282,7 @@ def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
     assert anew.memory.log_width == tracked.memory.log_width
 
 
-def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
+def test_a_new_search_begins_when_every_particle_is_impossible(strip, monkeypatch):
     # Of what survives, nothing is as wide as it has to be, and there is nothing else.
     monkeypatch.setattr(frame_inputs, "BORDER_SWITCH_SHARE", 0.0)
     cable_filter = make_filter(
@@ -297,7 +297,7 @@ def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
     assert not np.array_equal(after.particles.states, before.particles.states)
 
 
-def test_nothing_born_for_ever_is_no_problem(strip, noise):
+def test_an_appearance_rate_of_zero_gives_sound_beliefs(strip, noise):
     cable_filter = make_filter(appearance_rate=0.0, evidence_repeated=0.0)
     images = [noise(k) for k in range(6)] + [strip] * 6
     for belief in run(cable_filter, cable_filter.first_belief(), images, FOUND):
@@ -381,7 +381,7 @@ def test_the_belief_before_is_not_changed(strip):
     np.testing.assert_array_equal(belief.particles.log_weights, weights)
 
 
-def test_a_cable_that_was_told_and_is_there_is_claimed_with_the_first_frame(strip):
+def test_a_given_cable_that_is_there_is_claimed_with_the_first_frame(strip):
     # The cells of a map are coarse beside a picture of 160 px: w is that of the borders.
     cable_filter = make_filter(map_width_share=0.0)
     belief = cable_filter.step(cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NO_DETECTIONS)
@@ -431,7 +431,7 @@ def test_the_covariance_goes_with_the_estimate_across_the_wrap(draw_strip):
         assert np.linalg.eigvalsh(summary.covariance).min() > -1e-9
 
 
-def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
+def test_the_covariance_contains_the_displacement_of_the_borders(strip):
     summaries = []
     for displacement in (0.0, 4.0):
         cable_filter = make_filter(border_displacement=displacement)
@@ -478,7 +478,7 @@ def test_the_border_that_is_hidden_is_the_uncertain_one(grey, angle):
     assert sign * correlation > 0.5
 
 
-def test_the_belief_of_another_filter_is_taken_over_as_one_that_was_told(strip):
+def test_the_belief_of_another_filter_is_taken_over_as_a_given_one(strip):
     values = preset("thesis")
     observation = make_observation(values, load_table(""))
     thesis = BootstrapFilter(values, observation, SIZE[0], np.random.default_rng(0))
@@ -615,7 +615,7 @@ def test_by_borders_alone_no_map_is_looked_at(strip, monkeypatch):
 
 
 @pytest.mark.parametrize("changes", [{"map_interval": 3600.0}, {"looks": "borders"}])
-def test_where_the_network_looks_no_more_a_known_cable_is_soon_left_to_its_borders(strip, changes):
+def test_a_known_cable_is_judged_by_borders_alone_once_its_last_map_is_too_old(strip, changes):
     cable_filter = make_filter(**changes)
     before = belief_before(kept_map=replace(KEPT, seconds=LONGEST_KEPT - 1.5 * FRAME))
     mapped = [belief.hypotheses.is_mapped for belief in run(cable_filter, before, [strip] * 3)]

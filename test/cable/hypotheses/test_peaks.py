@@ -84,7 +84,7 @@ def test_candidates_become_peaks_that_share_the_particles_out():
         np.testing.assert_allclose(factor, np.diag([1.5, 0.1, 2.0, 0.1]))
 
 
-def test_what_is_drawn_about_a_peak_has_its_mean_and_covariance(rng):
+def test_draws_about_a_peak_have_its_mean_and_covariance(rng):
     peaks = Peaks(np.array([0, 4000]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
     noise = draw_frame_noise(rng, 4001, 0, math.inf)
     states = np.full((4001, 8), 7.0)

@@ -74,7 +74,7 @@ def test_a_group_that_weighs_nothing_has_no_ancestors(rng):
     assert set(group_of(ancestors)) == {0, NO_CLUSTER}
 
 
-def test_what_is_nearer_to_the_edge_survives_less():
+def test_particles_near_the_edge_survive_less():
     states = np.zeros((40, 8))
     states[20:, 0] = 158.0
     before = Ancestors(states, np.full(40, 1 / 40))

@@ -120,11 +120,11 @@ def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_
     assert ratio_of(FAINT._replace(score=10.0)) > 0.0
 
 
-def test_what_hardly_stands_above_strips_like_it_is_no_cable_however_high_its_score():
+def test_a_small_margin_over_similar_strips_speaks_against_a_cable_whatever_its_score():
     assert ratio_of(FAINT._replace(margin=MODEL.ordinary_margin - 4.0, score=16.0)) < 0.0
 
 
-def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse():
+def test_a_large_margin_over_similar_strips_speaks_for_a_cable_on_a_coarse_bottom():
     coarse = FAINT._replace(score=6.0)
     assert ratio_of(coarse._replace(margin=MODEL.clear_margin + 8.0)) > 1.0
     assert ratio_of(coarse._replace(margin=MODEL.clear_margin)) < 0.0
@@ -143,7 +143,7 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
     assert ratio_of(low._replace(shown=ENOUGH_SHOWN, clearness=MODEL.ordinary_clearness)) < 0.0
 
 
-def test_what_looks_like_a_cable_is_one_though_its_borders_are_faint():
+def test_a_likely_appearance_speaks_for_a_cable_with_faint_borders():
     faint = FAINT._replace(margin=3.0, score=4.0)
     assert ratio_of(faint) < 0.0 < ratio_of(faint._replace(appearance=3.0))
     assert ratio_of(FAINT._replace(appearance=-3.0)) < 0.0

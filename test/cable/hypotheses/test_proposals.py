@@ -44,12 +44,12 @@ def picture_of_a_cable(rng) -> np.ndarray:
     return picture
 
 
-def test_what_looks_like_a_cable_comes_first_whatever_its_likelihood(candidates, rng):
+def test_candidates_are_ordered_by_appearance_not_by_likelihood(candidates, rng):
     found = candidates(picture_of_a_cable(rng), [ELSEWHERE, CABLE], [30.0, 1.0])
     np.testing.assert_array_equal(found, [CABLE, ELSEWHERE])
 
 
-def test_of_strips_that_lie_together_the_likeliest_is_looked_at(candidates, rng):
+def test_neighbouring_strips_give_one_candidate_the_likeliest(candidates, rng):
     beside = [CABLE[0] + 2.0, *CABLE[1:]]
     found = candidates(picture_of_a_cable(rng), [beside, CABLE, beside], [1.0, 2.0, 0.0])
     np.testing.assert_array_equal(found, [CABLE])
@@ -63,7 +63,7 @@ def test_impossible_ones_are_no_candidates(candidates, rng):
     )
 
 
-def test_what_a_map_shows_is_looked_at_though_no_particle_is_there(candidates, rng):
+def test_a_strip_of_the_map_is_a_candidate_without_particles_there(candidates, rng):
     found = candidates(picture_of_a_cable(rng), [ELSEWHERE], [30.0], np.array([CABLE]))
     np.testing.assert_array_equal(found, [CABLE, ELSEWHERE])
 
@@ -91,7 +91,7 @@ def test_a_particle_weighs_prior_times_likelihood_over_the_mixture():
         np.testing.assert_allclose(importance_log_weights(sample, 2, power), expected[:2])
 
 
-def test_what_is_impossible_weighs_nothing_but_can_be_compared_before_the_frame():
+def test_an_impossible_particle_has_no_weight_but_for_a_likelihood_to_the_power_of_zero():
     impossible = sample_of([-math.inf], [1.0], [1.0])
     assert importance_log_weights(impossible, 1, 1.0)[0] == -math.inf
     assert importance_log_weights(impossible, 1, 0.0)[0] == 0.0

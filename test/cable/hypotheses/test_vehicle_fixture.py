@@ -76,20 +76,20 @@ def test_a_picture_smaller_than_a_patch_has_no_room():
     assert patches_beside(np.array([0.0, 0.0, 4.0, 0.0]), ground(size=(60, 40)), 1.0) is None
 
 
-def test_nothing_is_told_of_a_picture_of_another_size():
+def test_a_picture_of_another_size_gives_no_shift():
     assert shifts_of(ground(), ground(size=(200, 150))) is None
 
 
-def test_nothing_is_told_of_other_ground():
+def test_unrelated_ground_gives_no_shift():
     assert shifts_of(ground(), ground(seed=1)) is None
 
 
-def test_nothing_is_told_of_ground_without_texture():
+def test_ground_without_texture_gives_no_shift():
     flat = np.full((240, 320), 90.0, np.float32)
     assert shifts_of(flat, flat) is None
 
 
-def test_nothing_is_told_of_ground_that_has_left_most_of_its_patch():
+def test_ground_that_has_left_most_of_its_patch_gives_no_shift():
     assert shifts_of(ground(), ground(right=30.0)) is None
 
 

@@ -54,7 +54,7 @@ def test_edges_are_learnt_as_borders_whether_cables_are_bright_or_dark(learnt, s
     assert furrow < edge - 1.0
 
 
-def test_what_was_learnt_finds_a_cable_that_was_not_shown(learnt, draw_strip, tmp_path):
+def test_a_learnt_table_prefers_the_true_place_of_an_unseen_cable(learnt, draw_strip, tmp_path):
     path = tmp_path / "table.json"
     learnt().table("strips").save(path)
     model = BorderLikelihoodRatio(TrackerParameters(response_table=str(path)))

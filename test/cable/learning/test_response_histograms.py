@@ -25,7 +25,7 @@ def histograms(rng, response, count=4000) -> ResponseHistograms:
     return counted
 
 
-def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
+def test_ratios_are_positive_on_borders_and_negative_elsewhere(rng):
     table = table_from_histograms([histograms(rng, 5.0)] * CLASSES, histograms(rng, 0.0), "test")
     border, background = ratios_at(points([5.0, 0.0], 0.0, [5.0, 0.0]), table)[:, 0]
     assert border > 2.0
@@ -44,7 +44,7 @@ def test_the_same_on_borders_and_elsewhere_says_nothing(rng):
 
 
 @pytest.mark.parametrize("border", [True, False])
-def test_nothing_can_be_learnt_from_nothing(rng, border):
+def test_a_table_from_an_empty_histogram_is_refused(rng, border):
     some, none = histograms(rng, 1.0), ResponseHistograms()
     with pytest.raises(ParameterError, match="nothing to learn"):
         table_from_histograms(*([[some], none] if border else [[none], some]), "test")

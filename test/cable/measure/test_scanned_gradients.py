@@ -79,7 +79,7 @@ def test_lines_know_where_they_are(rng):
     np.testing.assert_array_equal(scanned.columns.places, columns - 30.0)
 
 
-def test_where_rows_and_columns_cross_they_say_the_same(rng):
+def test_rows_and_columns_have_the_same_gradients_where_they_cross(rng):
     scanned = scan(noise(rng, (61, 43)))
     rows, columns = line_indices(43, SPACING), line_indices(61, SPACING)
     # Columns run upwards.

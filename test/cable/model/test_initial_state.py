@@ -63,7 +63,7 @@ def test_a_random_start_stays_within_the_limits(limits, rng):
 
 
 @pytest.mark.parametrize("limits", NARROW.values(), ids=NARROW)
-def test_all_that_is_searched_is_possible(limits):
+def test_the_search_box_lies_within_the_possible_limits(limits):
     changed = parameters(**limits)
     box, possible = search_box(changed, 640), possible_limits(changed, 640)
     assert (possible.lower <= box.lower[:4]).all()
@@ -99,7 +99,7 @@ def test_a_sigma_of_zero_is_exact(rng):
     np.testing.assert_allclose(states, np.tile(KNOWN.to_array(), (COUNT, 1)))
 
 
-def test_what_is_not_known_is_drawn_as_in_a_random_start(rng):
+def test_unknown_components_of_a_given_state_are_drawn_as_in_a_random_start(rng):
     sigma = np.array([1.0, 0.01, *[np.inf] * 6])
     states = draw_given_states(
         GivenState(CableState(20.0, 0.3, 0.0), sigma), parameters(), 320, rng

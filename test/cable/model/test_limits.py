@@ -13,7 +13,7 @@ from cable_tracker.cable.model.limits import (
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 
-def test_what_a_particle_may_be_is_possible_and_nothing_else():
+def test_the_limits_of_particles_are_the_possible_limits():
     for limits, possible in zip(
         state_limits(TrackerParameters(), 640),
         possible_limits(TrackerParameters(), 640),
@@ -40,7 +40,7 @@ def test_limits_that_leave_one_value_leave_a_little_about_it_possible(width):
         ([0.0, 0.0, 1.0, -0.6], "w 1.0 px by width_minimum, beta -0.600 rad by skew_limit"),
     ],
 )
-def test_what_lies_beyond_the_limits_is_named_with_its_parameter(pose, words):
+def test_violated_limits_are_named_with_their_parameters(pose, words):
     limits = state_limits(TrackerParameters(), 640)
     assert describe_limit_violations(np.array(pose), limits) == words
 

@@ -54,7 +54,7 @@ def test_odometry_moves_cables_in_place_of_their_rates(movement):
     assert (movement.expected(STATES, 0.04)[:, 0] != 12.0).all()
 
 
-def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
+def test_one_particle_in_four_ignores_odometry_and_diffuses_as_without(movement):
     many = np.tile(STATES[0], (40_000, 1))
     usual = movement.expected(many, 0.04)[0, 0]
     rng = np.random.default_rng(1)

@@ -71,14 +71,14 @@ def variances(dt, damping=0.9):
     return variances_of(SOME.replaced({"rate_damping": damping}), dt)
 
 
-def test_one_frame_has_exactly_the_variances_of_the_thesis():
+def test_one_frame_adds_exactly_the_variances_of_the_thesis():
     # Table 5.1; its rates are per frame, ours per second.
     expected = np.concatenate((TABLE_5_1, RATES_OF_TABLE_5_1))
     np.testing.assert_allclose(variances_of(preset("thesis"), FRAME), expected)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.5, 0.9, 1.0])
-def test_one_frame_has_the_variances_of_the_table_however_rates_are_damped(damping):
+def test_one_frame_adds_the_same_variances_however_rates_are_damped(damping):
     expected = np.array([2.0, 0.1 * DEGREE**2, 1.0, 0.1 * DEGREE**2])
     rates = 625 * np.array([3.0, 0.05 * DEGREE**2, 1.0, 0.02 * DEGREE**2])
     np.testing.assert_allclose(variances(FRAME, damping), np.concatenate((expected, rates)))

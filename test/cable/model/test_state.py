@@ -24,7 +24,7 @@ def test_an_array_gives_the_state_back():
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_one_number_that_is_not_finite_makes_a_state_not_finite(value):
+def test_a_state_is_finite_only_if_every_component_is(value):
     assert CableState.from_array(np.ones(STATE_SIZE)).is_finite()
     for column in range(STATE_SIZE):
         values = np.ones(STATE_SIZE)

@@ -112,5 +112,5 @@ def test_a_search_outside_the_limits_is_accepted_with_a_remark(values, remark):
 
 
 @pytest.mark.parametrize("name", ["default", "thesis"])
-def test_of_the_presets_nothing_is_remarked(name):
+def test_presets_have_no_remarks(name):
     assert preset(name).remarks() == ()

@@ -19,7 +19,7 @@ def test_why_frames_were_refused_is_told_once():
     assert event_notes([LOST, KNOWN]) == []
 
 
-def test_of_many_new_starts_the_first_are_told():
+def test_the_first_of_many_restarts_are_listed():
     starts = [EstimateRow(k, 0, "LOST", event="no frame for 8.000 s") for k in range(8)]
     notes = event_notes(starts)
     assert notes[0] == "frame 0: no frame for 8.000 s"
@@ -34,7 +34,7 @@ def test_the_one_reason_for_no_metres_is_told():
     assert metres_note([LOST, NO_ALTITUDE, NO_ALTITUDE]) == "no metres: no altitude (2 claims)"
 
 
-def test_of_several_reasons_each_is_counted():
+def test_each_reason_for_missing_metres_is_counted():
     assert metres_note([KNOWN, STALE, NO_ALTITUDE, NO_ALTITUDE]) == (
         "metres for 1 of 4 claims; no metres: no altitude (2), stale altitude (1)"
     )

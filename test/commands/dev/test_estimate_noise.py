@@ -70,7 +70,7 @@ def labelled_video(tmp_path, scale, rate):
 
 
 @pytest.mark.parametrize(("scale", "rate"), [(2, 25.0), (1, 12.5)])
-def test_what_parameters_would_say_does_not_depend_on_size_and_rate_of_the_pictures(
+def test_variances_as_parameters_do_not_depend_on_picture_size_and_frame_rate(
     run, tmp_path, scale, rate
 ):
     said = run(labelled_video(tmp_path, scale, rate)).out

@@ -22,7 +22,7 @@ def test_scenarios_are_judged_with_two_seeds(command, tmp_path):
     assert "| default | " in (tmp_path / "out" / "table.md").read_text()
 
 
-def test_what_simulate_has_written_is_judged_with_parameters_of_the_users(command, tmp_path):
+def test_a_simulated_recording_is_evaluated_with_a_parameter_file(command, tmp_path):
     dive = tmp_path / "dive"
     made = command("simulate", dive, "--target", "near_surface", "--frames", 6)
     assert made.code == 0, made.err
@@ -60,7 +60,7 @@ def test_a_recording_whose_name_is_not_utf_8_is_judged(command, tmp_path):
         ("--source", ".", "--scenario", "buoy"),
     ],
 )
-def test_what_targets_do_not_know_is_refused(command, tmp_path, words):
+def test_options_that_targets_do_not_have_are_refused(command, tmp_path, words):
     result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
     assert result.code == 2
     assert not (tmp_path / "out").exists()

@@ -59,7 +59,7 @@ def test_values_on_the_command_line_win_over_those_of_the_file(choose):
         ("thesis", "preset: thesis", ["preset=default"], "multi_hypothesis"),
     ],
 )
-def test_of_presets_that_of_p_wins_over_that_of_the_file_and_that_over_the_option(
+def test_the_preset_of_p_wins_over_that_of_the_file_which_wins_over_the_option(
     choose, preset_name, in_file, words, chosen
 ):
     assert choose(CABLE, in_file, words, preset_name=preset_name).filter == chosen
@@ -92,7 +92,7 @@ def test_preset_file_and_seed_add_up(choose):
 
 
 @pytest.mark.parametrize("kind", [CABLE, TARGET])
-def test_where_nothing_is_given_it_is_the_default(kind):
+def test_without_options_the_parameters_are_the_defaults(kind):
     assert chosen_parameters(kind, None, None, {}, None) == ({}, kind.presets["default"])
 
 
@@ -102,7 +102,7 @@ def test_the_option_for_the_seed_wins_over_all_other_seeds(choose, kind):
     assert seeds == [4, 5]
 
 
-def test_what_only_nodes_read_is_noted_on_the_command_line_alone(choose, capsys):
+def test_parameters_of_nodes_are_noted_on_the_command_line_but_not_in_a_file(choose, capsys):
     choose(CABLE, "input_timeout: 2.0", ["initial_state=random"])
     assert not capsys.readouterr().err
     choose(CABLE, "input_timeout: 2.0", ["input_timeout=2.0", "image_transport=raw"])
@@ -132,7 +132,7 @@ def test_a_search_within_the_limits_is_not_noted(choose, capsys):
 
 
 @pytest.mark.parametrize("kind", [CABLE, TARGET])
-def test_what_only_a_node_reads_is_passed_over_and_what_is_of_the_vehicle_noted(
+def test_parameters_of_nodes_in_a_file_are_ignored_and_those_of_the_vehicle_noted(
     choose, kind, capsys
 ):
     plain = choose(kind)
@@ -142,7 +142,7 @@ def test_what_only_a_node_reads_is_passed_over_and_what_is_of_the_vehicle_noted(
     assert "camera_pitch: only nodes read" in capsys.readouterr().err.replace("\n", " ")
 
 
-def test_where_a_target_is_said_to_begin_for_a_node_is_noted(choose, capsys):
+def test_an_initial_target_for_a_node_is_ignored_and_noted(choose, capsys):
     assert choose(TARGET, "initial_target: 1,2,30,40\ntarget_size: 0.4") == choose(TARGET)
     assert "initial_target, target_size: only nodes" in capsys.readouterr().err.replace("\n", " ")
 

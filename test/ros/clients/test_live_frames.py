@@ -37,12 +37,12 @@ def test_a_frame_is_shown_however_many_came_while_the_tracker_worked_on_it(shown
 
 
 @pytest.mark.parametrize(("limit", "value"), [("KEPT_BYTES", 5 * 48 * 64), ("KEPT_SECONDS", 0.0)])
-def test_what_takes_too_much_memory_or_time_is_given_up(shown, monkeypatch, limit, value):
+def test_frames_beyond_the_limits_of_memory_and_time_are_dropped(shown, monkeypatch, limit, value):
     monkeypatch.setattr(live_frames, limit, value)
     assert not answered_after_many(shown, 20)
 
 
-def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_said_next(shown):
+def test_a_camera_without_stamps_shows_its_newest_picture_with_the_next_answer(shown):
     frames = LiveFrames(shown.append)
     for second in (5, 6):
         frames.take_image(Header(stamp=Time(sec=0)), picture(10 * second))

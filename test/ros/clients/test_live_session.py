@@ -198,12 +198,12 @@ def test_a_listener_that_fails_ends_nothing(session, camera):
     camera(lambda: session.latest is not None and session.latest.number >= 3)
 
 
-def test_silence_is_told_with_what_the_node_says(world, session, found, camera):
+def test_a_silent_node_is_reported_with_its_diagnostics(world, session, found, camera):
     camera(lambda: session.latest is not None)
     world.spin(lambda: "STALE INPUT" in session.trouble)
 
 
-def test_what_a_dead_node_said_last_is_no_news(world, session, found, camera):
+def test_a_dead_node_is_reported_as_silent(world, session, found, camera):
     camera(lambda: session.latest is not None)
     # It is still on the graph, and neither spun nor heard: as after a SIGKILL.
     world.executor.remove_node(found)
@@ -211,6 +211,6 @@ def test_what_a_dead_node_said_last_is_no_news(world, session, found, camera):
 
 
 @pytest.mark.parametrize("namespace", ["auv-1", "1auv", "a b", "/auv//x"])
-def test_what_is_no_namespace_is_refused(ros_environment, namespace):
+def test_a_bad_namespace_is_refused(ros_environment, namespace):
     with pytest.raises(RosError, match="is no namespace of ROS"):
         LiveSession(namespace)

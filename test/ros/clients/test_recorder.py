@@ -59,7 +59,7 @@ def take(world: Any, recorder: Recorder) -> Callable[[], RecordedFrame]:
     return taken
 
 
-def test_it_knows_from_diagnostics_that_the_tracker_has_seen_it(
+def test_diagnostics_tell_the_recorder_that_the_tracker_is_subscribed(
     world: Any, recorder: Recorder, tracker: TrackerNode
 ) -> None:
     world.spin(recorder.is_subscribed)
@@ -68,7 +68,7 @@ def test_it_knows_from_diagnostics_that_the_tracker_has_seen_it(
     assert not recorder.is_subscribed()
 
 
-def test_it_waits_while_there_is_no_tracker(world: Any, recorder: Recorder) -> None:
+def test_the_recorder_waits_while_there_is_no_tracker(world: Any, recorder: Recorder) -> None:
     world.pass_time(0.1)
     assert not recorder.is_subscribed()
     assert recorder.take() is None
@@ -135,7 +135,7 @@ def test_a_recorded_frame_is_acknowledged(world: Any, recorder: Recorder) -> Non
 
 
 class TestSpinUntil:
-    def test_it_ends_with_the_condition(self, world: Any) -> None:
+    def test_spinning_ends_when_the_condition_holds(self, world: Any) -> None:
         turns = iter(range(10))
         spin_until(world.executor, lambda: next(turns) == 3, 300.0, lambda: "")
         assert next(turns) == 4
@@ -146,7 +146,7 @@ class TestSpinUntil:
             spin_until(world.executor, lambda: False, 0.2, lambda: "")
         assert time.monotonic() - begin >= 0.2
 
-    def test_what_waits_in_the_queues_counts_after_the_time_is_over(self, world: Any) -> None:
+    def test_queued_messages_are_handled_after_the_deadline(self, world: Any) -> None:
         heard = world.listen(JointState, "late")
         publisher = world.me.create_publisher(JointState, "late", 10)
         for number in range(5):

@@ -88,7 +88,7 @@ def test_a_refused_frame_has_no_numbers() -> None:
     assert row_over_ros(None) == EstimateRow(FRAME.index, FRAME.stamp, REFUSED, event="too small")
 
 
-def test_of_a_frame_without_an_image_the_recording_knows_why_and_the_node_does_not() -> None:
+def test_a_row_without_an_image_gives_the_reason_of_the_recording() -> None:
     frame = replace(FRAME, image=replace(FRAME.image, missing="the PNG is truncated"))
     assert row_over_ros(None, frame).event == "the PNG is truncated"
 

@@ -34,7 +34,9 @@ def test_those_warm_up_that_say_so_until_they_say_something_else() -> None:
     assert not health.is_warm()
 
 
-def test_one_that_has_fallen_silent_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_tracker_that_has_fallen_silent_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     health = TrackerHealth()
     says(health, port=WARMING_UP)
     monkeypatch.setattr(tracker_health, "HOLDS", -1.0)

@@ -13,7 +13,7 @@ def cold(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm_up, "_WARM", set())
 
 
-def test_it_runs_beside_the_caller_and_once_for_each_variant() -> None:
+def test_a_warm_up_runs_in_the_background_and_once_for_each_variant() -> None:
     go_on, runs = threading.Event(), []
 
     def wait(name: str) -> None:
@@ -40,7 +40,7 @@ def test_an_error_is_raised_where_the_end_is_waited_for() -> None:
         failing.finish()
 
 
-def test_one_runs_at_a_time_and_one_that_waits_can_be_abandoned() -> None:
+def test_warm_ups_run_one_at_a_time_and_a_waiting_one_can_be_abandoned() -> None:
     go_on, runs = threading.Event(), []
 
     def wait(name: str) -> None:

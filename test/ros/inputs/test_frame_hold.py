@@ -102,7 +102,7 @@ def test_frames_whose_instruments_come_together_are_all_used() -> None:
     assert used == frames
 
 
-def test_it_knows_when_the_first_frame_has_waited_long_enough(
+def test_a_hold_is_due_when_its_most_impatient_frame_is(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     hold = FrameHold(lambda each: None, lambda stamp: False, lambda each: None)

@@ -80,7 +80,7 @@ def test_the_time_since_the_picture_changed_is_measured_by_stamps() -> None:
     assert same_for(watched, picture(91), 11) == 1.0
 
 
-def test_one_pixel_is_enough_to_differ() -> None:
+def test_pictures_that_differ_in_one_pixel_are_different() -> None:
     other = picture()
     other[21, 33] += 1
     assert same(picture(), picture())
@@ -92,7 +92,7 @@ def test_another_size_or_type_is_another_picture(other: np.ndarray) -> None:
     assert not same(picture(), other)
 
 
-def test_where_time_goes_back_the_count_begins_anew() -> None:
+def test_the_time_of_a_frozen_picture_restarts_when_stamps_go_back() -> None:
     watched = watch()
     seconds = [same_for(watched, picture(), stamp) for stamp in (100, 50, 51)]
     assert seconds == [0.0, 0.0, 1.0]

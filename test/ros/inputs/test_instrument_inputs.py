@@ -82,7 +82,7 @@ def test_messages_are_counted_as_their_sender_counts_them(make: Any, world: Any)
     assert inputs._sent._heard == {"imu": 5}
 
 
-def test_what_has_spoken_once_must_speak_of_the_time_of_the_frame(make: Any) -> None:
+def test_an_instrument_once_heard_is_awaited_up_to_the_stamp_of_the_frame(make: Any) -> None:
     inputs, _ = make()
     inputs.take_message(Instrument.IMU, Imu(header=Header(stamp=Time(sec=2))))
     assert not inputs.has_all_of(2 * SECOND)
@@ -98,7 +98,7 @@ def test_a_calibration_alone_is_not_all(make: Any) -> None:
     assert not inputs.has_all_of(0)
 
 
-def test_what_is_required_is_awaited_before_it_has_spoken(make: Any) -> None:
+def test_a_required_instrument_is_awaited_before_its_first_message(make: Any) -> None:
     inputs, _ = make({Instrument.ODOMETRY})
     inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=Header(stamp=Time(sec=1))))
     inputs.take_message(Instrument.IMU, Imu(header=Header(stamp=Time(sec=2))))
@@ -107,7 +107,7 @@ def test_what_is_required_is_awaited_before_it_has_spoken(make: Any) -> None:
     assert inputs.has_all_of(2 * SECOND)
 
 
-def test_what_a_replay_says_it_has_sent_is_awaited(make: Any) -> None:
+def test_messages_that_a_replay_has_counted_are_awaited(make: Any) -> None:
     inputs, _ = make()
     inputs._sent.take(JointState(header=Header(stamp=Time(sec=2)), name=["imu"], position=[1.0]))
     assert not inputs.has_all_of(2 * SECOND)
@@ -132,7 +132,7 @@ def told(sec: int, **counts: float) -> JointState:
     return JointState(header=header, name=list(counts), position=list(counts.values()))
 
 
-def test_nothing_is_told_at_first() -> None:
+def test_nothing_was_sent_at_first() -> None:
     assert not InstrumentsSent((node_topics.IMU,)).tells_of(0)
 
 
@@ -143,7 +143,7 @@ def sent(**heard: int) -> InstrumentsSent:
     return made
 
 
-def test_all_has_come_when_as_much_was_heard_as_was_sent() -> None:
+def test_all_messages_have_come_when_as_many_were_heard_as_sent() -> None:
     own = sent()
     own.take(told(2, imu=2.0, odometry=1.0))
     assert own.tells_of(2_000_000_000)
@@ -156,7 +156,7 @@ def test_all_has_come_when_as_much_was_heard_as_was_sent() -> None:
     assert own.has_come()
 
 
-def test_what_the_node_does_not_listen_to_does_not_count() -> None:
+def test_instruments_that_the_node_does_not_read_are_not_awaited() -> None:
     own = sent(imu=1)
     own.take(told(2, imu=1.0, altitude=5.0))
     assert own.has_come()

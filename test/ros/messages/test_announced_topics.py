@@ -56,7 +56,7 @@ def test_a_frame_without_a_target_has_pictures_only():
     assert topics == [*always, *TARGET_PICTURES, node_topics.PARTICLES]
 
 
-def test_all_that_is_known_of_a_target_is_announced():
+def test_every_topic_of_a_fully_known_target_is_announced():
     facts = {"particles": "500", "box": "1.0 2.0 30.0 40.0", "corners": "12"}
     facts |= dict.fromkeys((*BEARING_KEYS, *PLACE_KEYS), "0.5")
     assert set(announced_topics(node_topics.TARGET_TOPICS, report("TRACKING", **facts))) == {

@@ -120,7 +120,7 @@ def rosbags_bytes(make: Make) -> bytes:
     return bytes(typestore().serialize_cdr(message, message.__msgtype__))
 
 
-def test_both_kinds_of_messages_are_the_same_bytes(make: Make) -> None:
+def test_rclpy_and_rosbags_serialise_to_the_same_bytes(make: Make) -> None:
     expected = rosbags_bytes(make)
     assert rclpy_bytes(make, len(expected)) == expected
 

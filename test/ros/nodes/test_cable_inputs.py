@@ -152,7 +152,7 @@ def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
         (ALTITUDE, {}, {"camera_z": -2.0}, "camera not above the cable"),
     ],
 )
-def test_what_is_wrong_gives_no_metres_and_is_named(
+def test_bad_input_gives_no_metres_and_the_diagnostics_name_it(
     start: Callable[..., Any],
     said: Callable[..., str],
     world: Any,

@@ -148,5 +148,5 @@ def with_a_corner(ground: int, corner: int) -> np.ndarray:
         (None, ""),
     ],
 )
-def test_what_is_odd_about_a_picture_is_named(picture: np.ndarray | None, words: str) -> None:
+def test_diagnostics_remark_on_odd_pictures(picture: np.ndarray | None, words: str) -> None:
     assert remark_on(picture) == words

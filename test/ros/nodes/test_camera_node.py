@@ -315,7 +315,7 @@ class TestFrozenCamera:
         world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "FROZEN INPUT")
         assert float(diagnostics(node)[-1][1]["same picture for [s]"]) >= 1.0
 
-    def test_it_resumes_with_the_first_other_picture(
+    def test_tracking_resumes_with_the_first_different_picture(
         self, world: Any, near: str, image_message: Make, feed: Make, diagnostics: Make
     ) -> None:
         node = world.tracker(initial_state=near, frozen_timeout=1.0, diagnostics_period=3600.0)
@@ -420,7 +420,7 @@ class TestOverDds:
         world.spin(lambda: node.statistics.tracked == 1)
 
     @pytest.mark.parametrize("encoding", ["mono8", "bgr8", "32FC1"])
-    def test_what_comes_as_bytes_is_tracked_like_the_message(
+    def test_a_serialised_image_is_tracked_like_its_message(
         self, world: Any, near: str, image_message: Make, strip: Make, encoding: str
     ) -> None:
         pixels = {

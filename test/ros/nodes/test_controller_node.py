@@ -263,7 +263,7 @@ def test_while_every_frame_is_refused_the_vehicle_stands(world, tracker, diagnos
     assert any(command.linear.x > 0.0 for command in tracker.commands[-10:])
 
 
-def test_one_refused_frame_stops_no_vehicle(world, tracker, diagnostics):
+def test_one_refused_frame_does_not_stop_the_vehicle(world, tracker, diagnostics):
     node = world.controller(**PATIENT)
     tracker.is_heard()
     tracker.tells(0.0, frames=10)

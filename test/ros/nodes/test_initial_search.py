@@ -74,7 +74,7 @@ def test_a_detector_looks_for_the_widths_that_it_is_limited_to(
     assert search.detect(strip()).state.width == pytest.approx(truth.width, abs=6.0)
 
 
-def test_what_was_found_otherwise_is_not_sought_any_more() -> None:
+def test_a_stopped_search_seeks_no_more() -> None:
     search = InitialSearch("hough")
     search.restart()
     assert search.is_seeking

@@ -129,7 +129,7 @@ class TestSources:
         world.spin(lambda: len(truths) == 5)
         assert all(read_state(truth) for truth in truths)
 
-    def test_at_the_end_it_says_what_it_sent(
+    def test_at_the_end_a_replay_reports_what_it_sent(
         self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
     ) -> None:
         path = make_dive(3)
@@ -344,9 +344,7 @@ class TestTiming:
         # The topic is absolute: another run of these tests may use it too.
         assert [time for time in times if time in stamps_of(heard)][:4] == stamps_of(heard)
 
-    def test_it_waits_for_a_subscriber_unless_told_otherwise(
-        self, world: Any, make_dive: Dive
-    ) -> None:
+    def test_a_replay_waits_for_a_subscriber_by_default(self, world: Any, make_dive: Dive) -> None:
         assert ReplayStartParameters().wait_for_tracker is True
         node = world.replay(source=str(make_dive(3)), rate=100, wait_for_tracker=True)
         world.pass_time(0.2)
@@ -385,7 +383,7 @@ class TestTiming:
         assert "the first frames reach none" in capfd.readouterr().err
 
     @pytest.mark.parametrize("lockstep", [True, False])
-    def test_it_waits_while_a_tracker_is_warming_up(
+    def test_a_replay_waits_while_a_tracker_is_warming_up(
         self,
         world: Any,
         make_dive: Dive,
@@ -609,7 +607,7 @@ class TestLockstep:
         states = self.track(world, tiny)
         assert len(states) == 3
 
-    def test_it_waits_for_the_tracker_to_start(self, world: Any, make_dive: Dive) -> None:
+    def test_a_lockstep_waits_for_the_tracker_to_start(self, world: Any, make_dive: Dive) -> None:
         node = world.replay(source=str(make_dive(3)), lockstep=True)
         world.pass_time(0.2)
         assert node.sent == 0
@@ -702,13 +700,15 @@ class SlowLink:
 
 
 class TestEnd:
-    def test_it_ends_when_the_last_frame_has_arrived(self, world: Any, make_dive: Dive) -> None:
+    def test_a_replay_ends_when_the_last_frame_has_arrived(
+        self, world: Any, make_dive: Dive
+    ) -> None:
         node = world.replay(source=str(make_dive(2)), rate=100)
         node._image = SlowLink(node._image, 3)
         world.spin(lambda: node.finished)
         assert node._image.looks == 0
 
-    def test_it_does_not_wait_for_the_last_frame_for_ever(
+    def test_a_replay_ends_though_the_last_frame_never_arrives(
         self, world: Any, make_dive: Dive, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(endpoints, "LAST_MESSAGE_PATIENCE", 0.1)
@@ -722,7 +722,7 @@ class TestInstruments:
     def bag(self, vehicle_bag: Path) -> Path:
         return vehicle_bag
 
-    def test_all_of_them_are_sent_as_they_were_recorded(self, world: Any, bag: Path) -> None:
+    def test_all_instruments_are_sent_as_recorded(self, world: Any, bag: Path) -> None:
         kinds = {
             "odometry": Odometry, "imu": Imu, "altitude": Range, "camera_info": CameraInfo,
             "fix": NavSatFix,
@@ -779,7 +779,7 @@ class TestInstruments:
         assert "instruments: camera_info" in said
         assert "mounting" not in said
 
-    def test_they_can_be_left_out(self, world: Any, bag: Path) -> None:
+    def test_instruments_can_be_left_out(self, world: Any, bag: Path) -> None:
         heard, images = world.listen(Odometry, "odometry"), world.listen(Image, "image")
         node = world.replay(source=str(bag), rate=20.0, instruments=False)
         play_to_the_end(world, node, images)

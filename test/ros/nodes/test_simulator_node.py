@@ -146,13 +146,13 @@ def test_drift_is_no_progress(world, start, pilot):
     assert node.world.time < 6.0
 
 
-def test_who_steers_must_answer_in_time(world, start, pilot):
+def test_a_missing_command_ends_the_simulation(world, start, pilot):
     with pytest.raises(RosError, match="no cmd_vel came for frame 0 within"):
         start(answer_timeout=0.2)
         world.spin(lambda: False)
 
 
-def test_it_begins_when_enough_nodes_listen(world, pilot):
+def test_the_simulation_begins_when_enough_nodes_read_images(world, pilot):
     world.simulator(**SMALL, image_readers=2)
     world.pass_time(0.5)
     assert not pilot.images
@@ -160,7 +160,7 @@ def test_it_begins_when_enough_nodes_listen(world, pilot):
     pilot.waits_for(1)
 
 
-def test_it_begins_when_the_truth_is_heard(world, pilot):
+def test_the_simulation_begins_when_enough_nodes_read_the_truth(world, pilot):
     world.simulator(**SMALL, truth_readers=2)
     world.pass_time(0.5)
     assert not pilot.images
@@ -191,6 +191,6 @@ def test_the_clock_is_published_on_demand(world, start, pilot):
     assert clocks[0].clock.sec == 1
 
 
-def test_what_cannot_be_simulated_is_refused(world):
+def test_contradictory_settings_are_refused(world):
     with pytest.raises(ParameterError, match="buried is 5"):
         world.simulator(length=2.0)

@@ -141,7 +141,7 @@ class TestTopics:
         assert np.ptp(box[:, 0]) == pytest.approx(45, abs=6)
         assert (contour >= box.min(axis=0) - 1).all() and (contour <= box.max(axis=0) + 1).all()
 
-    def test_what_is_claimed_comes_only_while_tracking(
+    def test_states_and_targets_are_published_only_while_tracking(
         self, world: Any, show: Callable[..., None]
     ) -> None:
         node = world.target_tracker(initial_target=BOX)

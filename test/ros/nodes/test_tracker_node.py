@@ -236,7 +236,7 @@ class TestTopics:
             assert list(state.effort) == list(estimate.standard_deviations()[:4])
             assert np.array_equal(read_particles(cloud), cloud_of(tracker.particles).astype("f4"))
 
-    def test_nothing_published_is_ever_not_a_number(
+    def test_every_published_number_is_finite(
         self,
         world: Any,
         near: str,
@@ -390,7 +390,7 @@ class TestInitialState:
         assert states[:, 0].std() > 40.0
         assert states[:, 1].std() == pytest.approx(0.01, rel=0.3)
 
-    def test_one_that_is_taken_is_logged_with_what_it_says(
+    def test_an_initial_state_is_logged_with_its_values(
         self, world: Any, capfd: pytest.CaptureFixture[str]
     ) -> None:
         node = world.tracker()
@@ -422,7 +422,7 @@ class TestInitialState:
         assert node.status == "INITIALISING"
         assert node.statistics.tracked == 1
 
-    def test_one_in_another_frame_is_refused(
+    def test_an_initial_state_in_another_frame_is_refused(
         self, world: Any, image_message: Callable[..., Any], capfd: pytest.CaptureFixture[str]
     ) -> None:
         node = world.tracker()
@@ -432,7 +432,7 @@ class TestInitialState:
         assert node.tracker._given is None
 
     @pytest.mark.parametrize("enabled", [True, False])
-    def test_one_in_another_frame_than_the_first_image_is_dropped_with_it(
+    def test_an_initial_state_in_another_frame_than_the_first_image_is_dropped(
         self,
         world: Any,
         truth: CableState,
@@ -469,7 +469,7 @@ class TestInitialState:
         assert "refused" not in capfd.readouterr().err
         assert node.tracker.particles.states[:, 0].std() < 4.0
 
-    def test_one_that_a_reset_has_forgotten_is_not_told_again(
+    def test_an_initial_state_forgotten_by_a_reset_is_not_refused_later(
         self, world: Any, image_message: Callable[..., Any], capfd: pytest.CaptureFixture[str]
     ) -> None:
         node = world.tracker()
@@ -478,7 +478,7 @@ class TestInitialState:
         world.show(node, image_message())
         assert "refused" not in capfd.readouterr().err
 
-    def test_one_sent_while_disabled_counts_when_enabled(
+    def test_an_initial_state_sent_while_disabled_counts_when_enabled(
         self, world: Any, truth: CableState, image_message: Callable[..., Any]
     ) -> None:
         node = world.tracker(filter="bootstrap")

@@ -42,7 +42,7 @@ def test_traffic_is_kept_on_this_machine_by_the_shipped_profile() -> None:
     assert PROFILE_VARIABLE not in os.environ
 
 
-def test_what_the_user_has_set_stays(monkeypatch: pytest.MonkeyPatch, mine: str) -> None:
+def test_variables_of_the_user_are_kept(monkeypatch: pytest.MonkeyPatch, mine: str) -> None:
     monkeypatch.setenv(PROFILE_VARIABLE, mine)
     monkeypatch.setenv(RANGE_VARIABLE, "SUBNET")
     variables = local_environment()

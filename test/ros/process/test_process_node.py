@@ -120,7 +120,7 @@ class TestExitCodes:
         assert run.end() == 0
         assert "sent 3 frames" in run.words
 
-    def test_what_the_user_must_mend_ends_a_process_with_2_and_without_a_traceback(
+    def test_a_bad_parameter_ends_the_process_with_2_and_one_line(
         self, start_process: Callable[..., Any]
     ) -> None:
         run = start_process("tracker", "particle_count:=many")
@@ -205,7 +205,7 @@ class Worker(ProcessNode):
 
 
 class TestRunNode:
-    def test_it_ends_when_the_node_has_finished_and_destroys_it(self) -> None:
+    def test_a_run_ends_with_its_node_and_destroys_it(self) -> None:
         made: list[Worker] = []
 
         def make(context: Any) -> Worker:
@@ -227,7 +227,7 @@ class TestRunNode:
         assert code == 2
         assert printed.getvalue() == "error: no answer\n"
 
-    def test_what_the_middleware_refuses_is_one_line_and_exit_code_2(
+    def test_an_error_of_the_middleware_is_one_line_and_exit_code_2(
         self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     ) -> None:
         # The wheels have no security: the middleware refuses to make a node with it.

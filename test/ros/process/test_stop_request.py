@@ -27,10 +27,10 @@ def test_a_signal_is_noted_and_nothing_else_happens(number: int) -> None:
     assert stop.requested
 
 
-def test_nothing_is_requested_at_first() -> None:
+def test_no_stop_is_requested_at_first() -> None:
     assert not StopRequest().requested
 
 
-def test_it_is_ready_before_ros_is_loaded() -> None:
+def test_the_entry_does_not_import_rclpy() -> None:
     code = "import sys, cable_tracker.ros.entry; sys.exit('rclpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -41,7 +41,7 @@ def test_a_node_publishes_what_its_method_says(
     assert published.to_array() == pytest.approx(estimate.state.to_array(), abs=1e-6)
 
 
-def test_it_says_where_the_cable_is_in_metres(
+def test_a_baseline_publishes_the_cross_track_in_metres(
     world: Any, image_message: Callable[..., Any], truth: CableState
 ) -> None:
     node = world.baseline(method="hough", fixed_altitude=2.0)
@@ -61,7 +61,7 @@ def test_it_says_where_the_cable_is_in_metres(
     assert cross_tracks[-1].pose.pose.position.y == pytest.approx(expected, abs=0.03)
 
 
-def test_it_has_no_particles(world: Any, image_message: Callable[..., Any]) -> None:
+def test_a_baseline_publishes_no_particles(world: Any, image_message: Callable[..., Any]) -> None:
     clouds = world.listen(PointCloud2, "particles")
     states = world.listen(JointState, "state")
     node = world.baseline(method="lsd")
@@ -70,7 +70,7 @@ def test_it_has_no_particles(world: Any, image_message: Callable[..., Any]) -> N
     assert clouds == []
 
 
-def test_it_can_be_reset(world: Any, image_message: Callable[..., Any]) -> None:
+def test_a_baseline_can_be_reset(world: Any, image_message: Callable[..., Any]) -> None:
     node = world.baseline(method="hough")
     states = world.listen(JointState, "state")
     for index in range(FRAMES):

@@ -10,7 +10,7 @@ from cable_tracker.ros.rigs.echo_node import ANSWER, EchoNode
 from cable_tracker.sequences.messages.cable import read_state
 
 
-def test_it_answers_an_image_with_the_header_that_it_came_with(
+def test_the_echo_answers_with_the_header_of_the_image(
     world: Any, context: Any, namespace: str, image_message: Callable[..., Any]
 ) -> None:
     node = world.add(EchoNode(context=context, namespace=namespace))

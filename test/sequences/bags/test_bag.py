@@ -289,7 +289,7 @@ def test_frames_without_a_stamp_are_as_far_ahead_of_reception_as_the_one_before(
     assert found == [0, 40_000_000, 80_000_000, 120_000_000]
 
 
-def test_where_no_header_can_be_read_the_receive_time_counts(make_bag, first_stamp):
+def test_the_stamp_of_an_unreadable_header_is_the_receive_time(make_bag, first_stamp):
     path = make_bag(frames=1, cut_frame=0, left=3)
     assert [frame.stamp for frame in read(path, skip_bad_frames=True)] == [first_stamp + 1000]
 
@@ -386,7 +386,7 @@ def test_a_label_that_cannot_be_read_is_left_out_and_said(half_labelled, state):
         assert not source.note
 
 
-def test_where_only_labels_are_asked_for_all_must_be_readable(half_labelled):
+def test_labels_that_cannot_be_read_are_refused(half_labelled):
     with pytest.raises(RecordingError, match="ground truth on /ground_truth cannot be read"):
         read_bag_truth(half_labelled)
 

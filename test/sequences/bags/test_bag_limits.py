@@ -115,7 +115,7 @@ def test_a_message_that_unpacks_to_very_much_takes_no_memory(make_bag, monkeypat
         (bz2.compress, unpack_bz2),
     ],
 )
-def test_what_is_small_is_unpacked_whole(pack, unpack):
+def test_small_data_is_unpacked_whole(pack, unpack):
     data = bytes(range(250)) * 4
     assert unpack(pack(data)) == data
 

@@ -26,7 +26,7 @@ def names(folder) -> set[str]:
 
 
 @STORAGES
-def test_what_is_written_can_be_read(tmp_path, maker, picture, first_stamp, storage):
+def test_a_written_bag_can_be_read(tmp_path, maker, picture, first_stamp, storage):
     path = tmp_path / "out"
     with BagWriter(path, storage) as bag:
         for index in range(3):
@@ -54,7 +54,7 @@ def test_the_storage_file_is_named_like_the_bag(tmp_path, storage):
     assert f"out.{suffix}" in (tmp_path / "out" / "metadata.yaml").read_text()
 
 
-def test_what_the_user_has_put_beside_a_bag_is_not_lost(tmp_path):
+def test_a_file_of_the_user_in_an_earlier_bag_is_not_lost(tmp_path):
     def write():
         with BagWriter(tmp_path / "out", overwrite=True):
             pass
@@ -68,7 +68,7 @@ def test_what_the_user_has_put_beside_a_bag_is_not_lost(tmp_path):
     assert (tmp_path / "out" / "labels.txt").read_text() == "mine"
 
 
-def test_what_the_user_has_written_of_the_vehicle_stays(tmp_path):
+def test_an_edited_vehicle_file_is_not_overwritten(tmp_path):
     def write(vehicle=None):
         with BagWriter(tmp_path / "out", overwrite=True, vehicle=vehicle):
             pass
@@ -95,7 +95,7 @@ def test_an_empty_bag_is_valid(tmp_path, storage):
 
 
 @STORAGES
-def test_nothing_appears_before_the_end(tmp_path, image, storage):
+def test_a_bag_appears_only_when_it_is_complete(tmp_path, image, storage):
     with BagWriter(tmp_path / "out", storage) as bag:
         bag.write("/image", IMAGE, image, 1)
         assert names(tmp_path) == {".out.partial"}

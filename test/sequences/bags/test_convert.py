@@ -41,7 +41,7 @@ def colour_frame() -> Frame:
     return Frame(0, 5, raw_from_array(picture, "bgr8"))
 
 
-def test_as_it_is_leaves_the_frame_alone(make_frame):
+def test_the_format_as_is_keeps_the_frame(make_frame):
     frame = make_frame(1)
     assert in_format(frame, ImageFormat.AS_IS) is frame
 

@@ -47,7 +47,7 @@ def test_messages_come_with_both_of_their_times(bag):
     assert [each.stamp for each in messages] == [10, 20, 35]
 
 
-def test_what_comes_sooner_after_another_than_is_asked_for_is_passed_over(bag):
+def test_messages_closer_than_the_given_interval_are_skipped(bag):
     source = instruments_of(bag)
     assert [each.received for each in source.messages({Instrument.ALTITUDE: 11})] == [15, 35]
     assert len(list(source.messages({Instrument.IMU: 11}))) == 3

@@ -32,7 +32,7 @@ def test_instruments_are_found_by_their_types():
     assert not found.notes
 
 
-def test_of_several_none_is_guessed():
+def test_ambiguous_topics_are_not_chosen_but_noted():
     found = find(topics_of(port=RANGE, starboard=RANGE))
     assert not found.topics
     assert "--altitude-topic" in found.notes[0] and "/starboard" in found.notes[0]
@@ -47,7 +47,7 @@ def test_the_user_may_leave_one_out():
     assert not find(topics_of(port=RANGE), altitude=NO_TOPIC).topics
 
 
-def test_of_several_calibrations_the_one_beside_the_images_counts():
+def test_the_calibration_beside_the_images_is_chosen():
     listed = topics_of(front__camera__camera_info=INFO, stern__camera__camera_info=INFO)
     assert find(listed).topics == {Instrument.CAMERA_INFO: "/front/camera/camera_info"}
 
@@ -79,7 +79,7 @@ def test_images_and_their_other_transports_have_one_calibration():
     assert find(listed).topics == {Instrument.CAMERA_INFO: "/front/camera/camera_info"}
 
 
-def test_what_is_known_as_truth_is_no_instrument():
+def test_a_ground_truth_topic_is_no_instrument():
     assert not find(topics_of(ground_truth__odometry=ODOMETRY)).topics
 
 

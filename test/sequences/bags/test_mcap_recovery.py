@@ -157,7 +157,7 @@ def test_the_last_file_of_a_split_recording_may_be_empty(make_bag):
     assert len(list(open_source(path).frames())) == 5
 
 
-def test_of_a_split_recording_only_the_last_file_is_cut(make_bag):
+def test_a_split_recording_is_read_up_to_the_cut_of_its_last_file(make_bag):
     path = make_bag(frames=20, size=(64, 48))
     (path / "metadata.yaml").unlink()
     whole = (path / "bag.mcap").read_bytes()
@@ -168,7 +168,7 @@ def test_of_a_split_recording_only_the_last_file_is_cut(make_bag):
 
 @pytest.mark.parametrize("beside", [("jsonschema", "json"), ("protobuf", "protobuf")])
 @pytest.mark.parametrize("share", [1.0, 0.9])
-def test_what_is_of_ros2_is_read_beside_other_messages(make_mcap, beside, share):
+def test_ros2_messages_are_read_beside_others(make_mcap, beside, share):
     path = cut(make_mcap(beside=[beside]), share)
     with open_source(path) as source:
         count = len(list(source.frames()))

@@ -105,7 +105,7 @@ def test_damaged_metadata_is_read_or_refused_in_one_line(make_bag, recordings, c
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc/self/fd")
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 @pytest.mark.parametrize("share", [1.0, 0.7])
-def test_nothing_stays_open(make_bag, storage, share):
+def test_no_file_stays_open(make_bag, storage, share):
     path = make_bag(frames=20, storage=storage, size=(64, 48))
     file = storage_files(path)[0]
     content = file.read_bytes()
@@ -215,7 +215,7 @@ def test_damage_of_a_compressed_file_is_told_after_what_can_be_read(crashed):
         images(crashed)
 
 
-def test_what_compressed_files_unpack_to_is_limited(crashed, monkeypatch):
+def test_the_unpacked_size_of_compressed_files_is_limited(crashed, monkeypatch):
     monkeypatch.setattr("cable_tracker.sequences.bags.bag_limits.FREE_SHARE", 0.0)
     with pytest.raises(RecordingError, match="half of the free space"):
         open_bag(crashed)

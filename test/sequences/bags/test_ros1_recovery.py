@@ -37,7 +37,7 @@ def test_a_cut_at_any_byte_of_a_chunk_is_noticed(make_ros1_bag):
 
 
 @pytest.mark.parametrize("content", [b"", b"#ROSBAG V1.2\n", b"x" * 5000])
-def test_what_is_no_bag_is_refused(tmp_path, content):
+def test_a_file_that_is_no_bag_is_refused(tmp_path, content):
     (tmp_path / "x.bag").write_bytes(content)
     with pytest.raises(RecordingError, match="does not begin like"):
         list(read_messages(tmp_path / "x.bag"))

@@ -133,7 +133,7 @@ def test_messages_before_the_cut_are_read(make_bag):
 
 
 @pytest.mark.parametrize("content", [b"", b"SQLite format 3\0", b"x" * 5000])
-def test_what_is_no_bag_is_refused(tmp_path, content):
+def test_a_file_that_is_no_bag_is_refused(tmp_path, content):
     (tmp_path / "x.db3").write_bytes(content)
     with pytest.raises(RecordingError):
         list(read_messages(tmp_path / "x.db3"))

@@ -68,7 +68,7 @@ def test_a_picture_that_no_other_needs_may_be_missing():
     assert gaps(H264Gaps(), whole[:5] + whole[6:]) == []
 
 
-def test_where_numbers_may_be_left_out_nothing_is_missing():
+def test_skipped_numbers_are_no_gap_where_the_stream_allows_them():
     numbers = [at(data=slice_of(k)) for k in (1, 4, 5, 9)]
     assert gaps(H264Gaps(), [at(data=parameter_set(may_skip=True)), *numbers]) == []
 

@@ -293,9 +293,7 @@ def sound_video(request, tmp_path_factory):
 
 
 @pytest.mark.parametrize("hurt", [without, cut_off, emptied, scrambled, without_a_key_frame])
-def test_what_a_decoder_conceals_is_no_picture_and_the_rest_is_as_it_was(
-    tmp_path, sound_video, hurt
-):
+def test_concealed_pictures_are_dropped_and_the_others_unchanged(tmp_path, sound_video, hurt):
     coding, coded, sound = sound_video
     if coding == "h265" and hurt is cut_off:
         pytest.skip("its decoder does not see that a packet ends early")

@@ -213,7 +213,7 @@ def test_pictures_and_videos_may_be_mixed(write, make_video, tmp_path, picture):
     assert [frame.truth.distance for frame in frames] == [0, 1, 2]
 
 
-def test_one_recording_of_a_list_is_not_followed_into_another(write, make_video):
+def test_recordings_of_a_list_are_separated_by_a_gap_in_time(write, make_video):
     make_video("a.avi")
     make_video("b.avi")
     source = open_source(write(*(f"0 0 30 0 # {name}.avi:{k}" for name in "ab" for k in (3, 4))))

@@ -95,7 +95,7 @@ def test_a_text_file_labels_a_bag_by_number(tmp_path):
         ("7 1 2 3 4", "no frame of"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_said(tmp_path, line, words):
+def test_a_bad_label_file_is_refused_with_the_reason(tmp_path, line, words):
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
     (tmp_path / "boxes.txt").write_text(line + "\n")
     with pytest.raises(RecordingError, match=words):

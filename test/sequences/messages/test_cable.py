@@ -249,7 +249,7 @@ def test_a_report_holds_status_and_facts(sent):
     }
 
 
-def test_what_the_filter_has_no_notion_of_is_empty_in_the_report():
+def test_values_that_a_filter_does_not_have_are_empty_in_the_report():
     estimate = CableEstimate(1, TrackingStatus.LOST, STATE, COVARIANCE, 1.0, 0.0, SIZE)
     values = report_values(estimate, 1.5)
     assert values["presence"] == values["hypotheses"] == values["event"] == ""

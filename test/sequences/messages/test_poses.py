@@ -50,7 +50,7 @@ def test_a_quaternion_is_scaled_to_length_one():
 @pytest.mark.parametrize(
     "spoilt", [(0.0, 0.0, 0.0, 0.0), (3.0, 0.0, 0.0, 4.0), (math.nan, 0, 0, 1)]
 )
-def test_what_is_no_rotation_has_no_unit_quaternion(spoilt):
+def test_a_bad_quaternion_has_no_unit_quaternion(spoilt):
     assert unit_quaternion(quaternion(*spoilt)) is None
 
 
@@ -60,7 +60,7 @@ def test_the_pose_at_the_origin_is_no_rotation():
     assert unit_quaternion(pose.orientation) == (0.0, 0.0, 0.0, 1.0)
 
 
-def test_what_is_not_known_has_a_large_variance_and_no_correlation():
+def test_unknown_components_have_a_large_variance_and_no_correlation():
     covariance = pose_covariance((Y, YAW), np.array([[0.04, 0.001], [0.003, 0.01]]))
     expected = np.diag([UNKNOWN_VARIANCE, 0.04, *[UNKNOWN_VARIANCE] * 3, 0.01])
     expected[1, 5] = expected[5, 1] = 0.002

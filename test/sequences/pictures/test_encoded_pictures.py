@@ -48,7 +48,7 @@ def test_a_higher_quality_is_larger_and_nearer():
 
 
 @pytest.mark.parametrize("shape", [(0, 0), (4, 4, 2), (2, 70_000)])
-def test_what_cannot_be_encoded_is_refused_in_one_line(shape):
+def test_a_picture_that_cannot_be_encoded_is_refused_in_one_line(shape):
     with pytest.raises(FrameError, match="cannot be encoded as JPEG") as caught:
         encode_jpeg(np.zeros(shape, np.uint8))
     assert "\n" not in str(caught.value)
@@ -65,7 +65,7 @@ def test_a_png_of_nothing_is_refused():
         png_bytes(np.zeros((0, 0), np.uint8))
 
 
-def test_what_jpeg_leaves_is_what_its_bytes_hold():
+def test_the_picture_after_jpeg_is_the_decoded_one():
     noise = np.random.default_rng(0).integers(0, 256, (64, 64)).astype(np.uint8)
     assert np.array_equal(after_jpeg(noise, 30), picture_of(jpeg_bytes(noise, 30)))
     assert not np.array_equal(after_jpeg(noise, 30), noise)

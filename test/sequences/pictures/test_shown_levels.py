@@ -33,7 +33,7 @@ def test_bytes_are_shown_as_they_are_however_dim():
     assert np.array_equal(decode_shown(raw_from_array(dim, "mono8"))[:, :, 0], dim)
 
 
-def test_what_is_amplified_keeps_its_brightest_parts():
+def test_amplification_saturates_few_pixels():
     pale = (100.0 + LEVELS / 20.0).astype(np.float32)
     shown = shown_levels(pale)
     assert np.ptp(shown) > 2 * np.ptp(pale)

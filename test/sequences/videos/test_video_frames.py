@@ -76,7 +76,7 @@ def test_stamps_always_increase():
     assert stamps[5] - FIRST_STAMP == 100 * NANOSECONDS
 
 
-def test_nothing_before_a_colon_looks_like_a_protocol():
+def test_a_name_with_a_colon_is_not_taken_for_a_protocol():
     assert ffmpeg_name(Path("12:30:00.mp4")) == "./12:30:00.mp4"
 
 

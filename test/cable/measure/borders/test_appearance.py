@@ -114,7 +114,7 @@ def test_a_beam_that_ends_in_the_picture_is_no_cable(rng):
     assert appearance(beam, state) < 0.0
 
 
-def test_what_has_one_border_in_a_corner_is_hardly_known(bottom):
+def test_the_appearance_of_one_border_in_a_corner_is_undecided(bottom):
     corner = CableState(150.0, 0.6, 120.0, 0.0)
     assert appearance(bottom, corner) < UNDECIDED + 0.4 * IN_VIEW
 
@@ -140,7 +140,7 @@ def map_of(state, probability) -> CableMap:
     return cable_map_of(shown, empty.left, empty.top, empty.cell)
 
 
-def test_what_the_map_shows_looks_like_a_cable_and_what_it_does_not_like_none(rng):
+def test_the_map_raises_the_appearance_of_its_strip_and_lowers_that_of_others(rng):
     picture = rng.normal(100.0, 10.0, (240, 320))
     elsewhere = CableState(-90.0, -0.3, 40.0)
     shown = appearance(picture, cable_map=map_of(STRIP, 0.9))

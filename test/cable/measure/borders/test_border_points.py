@@ -42,7 +42,7 @@ def test_on_the_border_of_a_strip_the_response_is_high_the_slope_low_and_the_ins
     assert np.median(np.abs(here.slopes)) < 0.15 < np.median(np.abs(beside.slopes))
 
 
-def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
+def test_the_contrast_is_the_weaker_of_both_parts_and_zero_where_their_signs_differ():
     behind = np.array([3.0, 3.0, -3.0, -3.0, 0.0], np.float32)
     middle = np.array([2.0, -2.0, -5.0, 5.0, 1.0], np.float32)
     assert list(map(weaker_common_contrast, behind, middle)) == [2.0, 0.0, -3.0, 0.0, 0.0]

@@ -124,7 +124,7 @@ def test_bands_shorter_than_a_stretch_are_those_of_a_striped_cable(strip):
     assert beside < 0.0
 
 
-def test_of_a_cable_of_one_tone_no_stretch_is_reversed(strip):
+def test_a_cable_of_one_tone_has_no_reversed_stretch(strip):
     # Nor is it a dark cable that is bright all along.
     assert measured(strip, changed()).reversed.tolist() == [[0, 0]]
 

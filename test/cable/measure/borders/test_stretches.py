@@ -48,7 +48,7 @@ def summed(stretches, cost, striped=NO_STRIPES):
 
 
 @given(SEEDS, COSTS)
-def test_both_borders_are_of_the_polarity_that_is_likelier_at_its_cost(seed, cost):
+def test_each_stretch_takes_the_likelier_polarity_at_the_cost_of_a_change(seed, cost):
     stretches = ratios(seed)
     sums, _ = summed(stretches, cost)
     both = stretches.sum(axis=0)
@@ -60,7 +60,7 @@ def test_both_borders_are_of_the_polarity_that_is_likelier_at_its_cost(seed, cos
 
 
 @given(SEEDS, COSTS)
-def test_what_is_reversed_is_told_for_the_likeliest_strength(seed, cost):
+def test_reversed_stretches_are_those_of_the_likeliest_strength(seed, cost):
     stretches = ratios(seed)
     sums, turned = summed(stretches, cost)
     both = stretches.sum(axis=0)
@@ -75,7 +75,7 @@ def test_what_is_reversed_is_told_for_the_likeliest_strength(seed, cost):
 
 
 @given(SEEDS, st.integers(1, 12))
-def test_what_is_out_of_view_is_no_part_of_a_cable(seed, first):
+def test_stretches_out_of_view_do_not_count(seed, first):
     stretches = ratios(seed)
     stretches[:, :, first : first + 4] = 0.0
     sums, turned = summed(stretches, 6.0)
@@ -110,7 +110,7 @@ def test_at_a_high_cost_a_cable_is_of_one_polarity(seed):
 
 
 @given(SEEDS)
-def test_of_a_bright_cable_at_most_half_is_dark(seed):
+def test_at_most_half_of_a_bright_cable_is_reversed(seed):
     stretches = ratios(seed)
     stretches[:, :CLASSES, :10] = -20.0
     stretches[:, CLASSES:, :10] = 20.0
@@ -145,7 +145,7 @@ def test_a_cable_is_striped_where_that_says_more_and_most_of_it_is_of_its_polari
 
 
 @given(SEEDS)
-def test_of_a_striped_cable_the_likelier_polarity_of_each_stretch_is_told(seed):
+def test_a_striped_cable_reports_the_likelier_polarity_of_each_stretch(seed):
     stretches = ratios(seed)
     _, turned = summed(stretches, 1.0, np.full((2, CLASSES), 1e4, np.float32))
     both = stretches.sum(axis=0)
@@ -194,14 +194,14 @@ def with_covered(shown, hidden, first) -> np.ndarray:
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_what_speaks_against_a_cable_from_one_end_on_costs_no_more_than_the_cover(turned):
+def test_evidence_against_one_end_of_a_cable_costs_no_more_than_the_cover(turned):
     stretches = with_covered(3.0, -5.0, 6)
     border = stretches[::-1] if turned else stretches
     np.testing.assert_allclose(summed_with_cover(border, border), [30.0 - COST / 2] * 2)
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_what_is_covered_is_told(turned):
+def test_covered_stretches_are_reported(turned):
     stretches, covered = with_covered(3.0, -5.0, 6), range(6)
     border = stretches[::-1] if turned else stretches
     expected = range(STRETCHES - 6, STRETCHES) if turned else covered
@@ -209,7 +209,7 @@ def test_what_is_covered_is_told(turned):
     assert summed_and_covered(np.abs(border), np.abs(border))[1] == []
 
 
-def test_of_what_is_mostly_covered_nothing_is_to_be_looked_at_without():
+def test_a_mostly_covered_cable_reports_no_covered_stretches():
     covered = int(MOST_UNSEEN * STRETCHES)
     told, more = (with_covered(3.0, -5.0, first) for first in (covered, covered + 1))
     assert summed_and_covered(told, told)[1] == list(range(covered))
@@ -221,7 +221,7 @@ def test_a_cable_in_full_view_is_summed_as_it_is():
     np.testing.assert_allclose(summed_with_cover(border, border), [32.0, 32.0])
 
 
-def test_what_speaks_against_it_by_less_than_the_cost_counts():
+def test_evidence_against_one_end_below_the_cost_of_the_cover_counts():
     border = with_covered(3.0, -0.9, 3)
     np.testing.assert_allclose(summed_with_cover(border, border), [39.0 - 2.7] * 2, rtol=1e-6)
 
@@ -232,7 +232,7 @@ def test_a_gap_between_two_ends_in_view_counts():
     np.testing.assert_allclose(summed_with_cover(border, border), [39.0 - 15.0] * 2)
 
 
-def test_both_borders_end_at_one_place():
+def test_a_cover_ends_both_borders_at_one_place():
     left, right = with_covered(3.0, -5.0, 6), np.full(STRETCHES, 3.0)
     np.testing.assert_allclose(summed_with_cover(left, right), [30.0 - COST / 2, 30.0 - COST / 2])
 

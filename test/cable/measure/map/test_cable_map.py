@@ -124,7 +124,7 @@ def test_a_thin_strip_matches_a_sharp_map_of_it_better_than_one_beside_it(width,
     assert map_overlap(beside, sharp) < map_overlap(thin, sharp) - 1.0
 
 
-def test_of_half_a_probability_half_is_inside():
+def test_a_map_of_half_the_probability_has_half_of_it_inside():
     whole = CableState(0.0, 0.0, 40.0).to_array()
     cable_map = map_of(0.5 * strip_shares(whole, EMPTY))
     assert map_match(whole, cable_map).inside_share == pytest.approx(0.5, abs=1e-6)
@@ -143,7 +143,7 @@ def test_a_strip_out_of_the_picture_matches_nothing():
     assert map_overlap(beyond, everywhere) < -4.0
 
 
-def test_nothing_matches_a_map_that_was_not_worked_out():
+def test_a_missing_map_matches_no_strip():
     assert map_match(CableState(0.0, 0.0, 20.0).to_array(), NO_MAP) == (0.0, 0.0)
 
 
@@ -172,7 +172,7 @@ def test_without_a_map_no_particle_weighs_more(shown):
     assert map_log_ratio(ON_IT, NO_MAP, NOTHING_EXPECTED, WEIGHTS) == 0.0
 
 
-def test_what_a_particle_lacks_to_the_expected_strip_counts_besides(shown):
+def test_overlap_missing_to_that_of_the_expected_strip_is_subtracted(shown):
     against = overlap_of_expected(shown, ON_IT, is_kept=False)
     assert against == (math.inf, map_overlap(ON_IT, shown))
     on_it, beside = map_overlap(ON_IT, shown), map_overlap(BESIDE, shown)
@@ -204,12 +204,12 @@ def test_in_a_search_a_strip_loses_by_what_it_lacks_to_a_clear_one_of_the_map(sh
     assert map_log_ratio(BESIDE, shown, against, WEIGHTS) == pytest.approx(3.0 * beside - lacking)
 
 
-def test_nothing_is_held_against_a_strip_where_no_strip_of_the_map_is_clear(shown):
+def test_no_overlap_is_expected_where_the_map_has_no_clear_strip(shown):
     assert overlap_of_best(shown, BESIDE[None]) == NOTHING_EXPECTED
     assert overlap_of_best(NO_MAP, np.zeros((0, 8))) == NOTHING_EXPECTED
 
 
-def test_nothing_is_held_against_a_strip_where_there_is_no_map():
+def test_no_overlap_is_expected_without_a_map():
     assert overlap_of_expected(NO_MAP, ON_IT, is_kept=False) == NOTHING_EXPECTED
     assert overlap_of_expected(NO_MAP, ON_IT, is_kept=True) == NOTHING_EXPECTED
 
@@ -262,7 +262,7 @@ def test_a_cable_that_has_not_moved_leaves_the_map_as_it_was():
     assert (moved.left, moved.top, moved.cell) == (LEFT, TOP, CELL)
 
 
-def test_what_comes_into_view_is_as_the_outermost_cells_are():
+def test_cells_that_come_into_view_repeat_the_outermost_ones():
     """Else a cable that moves inwards would end before the edge."""
     along_the_edge = CableState(150.0, 0.0, 40.0, 0.0)
     moved = kept_map_of(along_the_edge).moved_to(CableState(110.0, 0.0, 40.0, 0.0).to_array())
@@ -279,9 +279,7 @@ def test_an_old_map_says_nothing():
 
 
 @pytest.mark.parametrize(("seconds", "least", "most"), [(0.04, 0.5, 1.0), (1.0, 8.0, 9.0)])
-def test_what_a_new_map_says_of_the_borders_counts_the_more_the_older_the_kept_one_is(
-    seconds, least, most
-):
+def test_the_borders_of_a_new_map_count_more_the_older_the_kept_map_is(seconds, least, most):
     kept = replace(kept_map_of(CableState(0.0, 0.0, 24.0, 0.0)), seconds=seconds)
     found = kept.smoothed(MapBorders(10.0, 0.0, 6.0))
     assert least < found.widening < most

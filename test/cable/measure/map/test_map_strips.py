@@ -68,7 +68,7 @@ def test_its_numbers_are_those_of_the_strip(strip):
     assert found[[1, 3]] == pytest.approx(strip.to_array()[[1, 3]], abs=0.04)
 
 
-def test_of_two_strips_the_larger_one_comes_first():
+def test_the_larger_strip_of_a_map_comes_first():
     first, second = strips_of_map(map_of(CABLE, OTHER), 2)
     assert pose_near(first, CABLE)[[0, 2]] == pytest.approx([-30.0, 40.0], abs=3.0)
     assert pose_near(second, OTHER)[[0, 2]] == pytest.approx([60.0, 16.0], abs=3.0)
@@ -128,7 +128,7 @@ def test_a_map_says_how_much_wider_strips_are_that_lie_anyhow_on_its_cells():
     assert np.quantile(errors, 0.8) < 0.5
 
 
-def test_what_is_not_worked_out_shows_the_strip_as_it_is():
+def test_without_a_map_the_borders_are_those_of_the_strip():
     strip = CableState(0.0, 0.2, 20.0).to_array()
     assert map_borders(strip, NO_MAP, EVEN, 1.0) == AS_THE_STRIP
 
@@ -189,7 +189,7 @@ def test_a_dark_part_of_a_strip_that_a_map_leaves_out_is_a_shadow(angle, side, r
     assert other == 0.0
 
 
-def test_what_is_as_light_as_the_ground_is_sand_on_the_cable():
+def test_a_rim_as_light_as_the_ground_is_taken_for_sand_on_the_cable():
     strip, cable = CableState(0.0, 0.2, 70.0), CableState(-10.0, 0.2, 50.0)
     picture = seen_beside(strip, cable, 98.0)
     assert map_borders(strip.to_array(), sure_map_of(cable), picture, 1.0)[1:] == (

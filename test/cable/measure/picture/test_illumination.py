@@ -50,7 +50,7 @@ def test_a_share_of_nothing_leaves_the_picture_as_it_is(dtype: type) -> None:
     assert evenly_lit(picture, 0.0) is picture
 
 
-def test_all_of_it_makes_the_edges_as_bright_as_the_middle() -> None:
+def test_the_full_correction_makes_the_edges_as_bright_as_the_middle() -> None:
     dim = (200.0 * lamp(0.8)).astype(np.float32)
     lit = evenly_lit(dim, 1.0)
     assert dim[0].mean() < 0.5 * dim[HEIGHT // 2].mean()

@@ -41,7 +41,7 @@ def test_bars_are_filled_with_the_nearest_live_line(live, level, thickness):
     assert (barred[:thickness] == level).all()
 
 
-def test_what_is_written_on_a_bar_does_not_hide_it(live, rng):
+def test_text_on_a_bar_does_not_hide_the_bar(live, rng):
     barred = live.copy()
     barred[:20] = 0
     barred[6:14, 30:80] = 255 * (rng.random((8, 50)) < 0.5)
@@ -195,7 +195,7 @@ def test_lines_are_left_until_they_have_stood_still_for_long_enough():
     assert cleared(pictures, least_time=0.5) is pictures[-1]
 
 
-def test_of_frames_far_apart_as_many_are_needed():
+def test_overlays_are_removed_only_after_four_frames_even_if_far_apart():
     pictures = dive(crosshair(BRIGHT))
     for count, is_enough in ((2, False), (3, False), (4, True)):
         found = cleared(pictures[:count], dt=1.0, least_time=0.1)
@@ -212,7 +212,7 @@ def test_a_picture_that_stands_still_is_left_as_it_is():
     assert cleared(pictures) is pictures[-1]
 
 
-def test_where_thin_lines_are_everywhere_none_is_taken_out():
+def test_no_line_is_removed_from_a_picture_full_of_thin_lines():
     def striped(picture, _frame):
         picture[:, ::6] = BRIGHT
 
@@ -253,7 +253,7 @@ def stepped(picture, _frame) -> None:
 
 
 @pytest.mark.parametrize("draw", [moving, oblique, thick, short, stepped])
-def test_what_may_be_a_cable_is_left(draw):
+def test_a_possible_cable_is_not_removed(draw):
     pictures = dive(draw)
     np.testing.assert_array_equal(cleared(pictures), pictures[-1])
 
@@ -279,7 +279,7 @@ def test_pictures_of_another_size_begin_anew():
     assert without_standing_lines(smaller, lines_after(lines, smaller), ENOUGH) is smaller
 
 
-def test_what_was_kept_before_a_picture_does_not_change_with_it():
+def test_lines_kept_of_earlier_pictures_are_not_changed_in_place():
     first, second = dive(crosshair(BRIGHT), frames=2)
     lines = lines_after(lines_after(None, first, 0.0), first)
     kept = lines.down.copy(), lines.across.copy()

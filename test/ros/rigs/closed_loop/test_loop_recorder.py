@@ -138,7 +138,7 @@ def test_the_mode_holds_from_its_time_on(world, loop, recorder):
     assert [row.mode for row in recorder.rows()] == ["WAITING", "FOLLOWING", "FOLLOWING"]
 
 
-def test_it_is_connected_when_the_tracker_knows_two_readers(world, loop, recorder):
+def test_the_recorder_is_connected_when_the_tracker_knows_two_readers(world, loop, recorder):
     counts = {"subscribers of /x/state": "2", "subscribers of /x/tracker/frame_report": "1"}
     loop.tells(1, "tracker", "", **counts, **{"subscribers of /x/cross_track": "1"})
     world.pass_time(0.3)

@@ -53,7 +53,7 @@ def listen(run: Any, group: Any = None) -> None:
 
 
 @pytest.mark.parametrize("last", [5, 5 + QUIET_TURNS])
-def test_it_ends_when_many_turns_in_a_row_have_brought_nothing(last):
+def test_a_recording_ends_after_many_turns_without_a_message(last):
     run = Run(5, (2, last))
     listen(run)
     assert run.turns == last + QUIET_TURNS
@@ -65,7 +65,7 @@ def test_a_simulator_that_has_sent_nothing_for_a_while_has_not_ended():
     assert run.turns == 4 * QUIET_TURNS
 
 
-def test_it_complains_when_nothing_has_come_for_too_long(monkeypatch):
+def test_a_recording_without_messages_for_too_long_is_an_error(monkeypatch):
     now = [100.0]
 
     class Slow(Run):
@@ -129,7 +129,7 @@ def test_a_command_is_held_until_its_frame_is_recorded(world, commands, steer):
     assert speeds(released) == [1.0, 2.0, 3.0]
 
 
-def test_it_waits_for_the_simulator_to_listen(world, commands, steer):
+def test_released_commands_wait_for_the_simulator_to_listen(world, commands, steer):
     steer(1.0)
     commands.release(1)
     released = world.listen(Twist, RELEASED)

@@ -90,5 +90,5 @@ def test_a_tracker_that_says_nan_breaks_a_promise(camera):
     assert camera.last_claims
 
 
-def test_what_does_not_come_is_not_waited_for_for_ever(camera):
+def test_waiting_ends_after_its_time_limit(camera):
     assert not camera.spin_until(lambda: False, 0.05)

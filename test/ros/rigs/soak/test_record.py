@@ -32,7 +32,7 @@ def test_growth_before_the_warm_up_does_not_count():
     assert record.growth() == 0.0
 
 
-def test_one_high_sample_is_no_growth():
+def test_a_single_high_sample_is_no_growth():
     assert record_of([100.0] * 30 + [200.0] + [100.0] * 30).growth() == 0.0
 
 
