@@ -311,6 +311,7 @@ class Shutdown:
 class EmitEvent(Action):
     def __init__(self, *, event: Shutdown) -> None:
         need(event, Shutdown)
+        self.event = event
 
     def visit(self, context: LaunchContext) -> None:
         raise AssertionError("visited only when something has happened")
@@ -320,6 +321,7 @@ class OnProcessExit:
     def __init__(self, *, on_exit: list[Action]) -> None:
         for each in on_exit:
             need(each, Action)
+        self.on_exit = on_exit
 
 
 class RegisterEventHandler(Action):

@@ -101,6 +101,13 @@ def test_every_argument_is_described_and_used(play: Play, file: str) -> None:
     assert {argument.name for argument in context.declared} == context.read
 
 
+@pytest.mark.parametrize("file", ["replay.launch.py", "loop.launch.py"])
+def test_all_nodes_are_shut_down_when_one_of_them_ends(play: Play, file: str) -> None:
+    (handler,) = play(file).handlers
+    assert [type(action).__name__ for action in handler.on_exit] == ["EmitEvent"]
+    assert type(handler.on_exit[0].event).__name__ == "Shutdown"
+
+
 class TestTracker:
     def test_the_defaults_are_relative_names_and_the_default_preset(self, start: Play) -> None:
         tracker = start("tracker.launch.py")["tracker"]
@@ -219,9 +226,6 @@ class TestReplay:
         nodes = start("replay.launch.py", use_sim_time="true")
         assert nodes["replay"].values()["publish_clock"] is True
         assert nodes["tracker"].values()["use_sim_time"] is True
-
-    def test_a_launched_replay_handles_its_end(self, play: Play) -> None:
-        assert len(play("replay.launch.py").handlers) == 1
 
 
 class TestLoop:

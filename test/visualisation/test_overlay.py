@@ -15,7 +15,6 @@ from cable_tracker.visualisation.palette import GREEN, HYPOTHESES, PINK, RED, to
 STATE = CableState(20.0, 0.2, 40.0, 0.03)
 BLACK = np.zeros((240, 320), dtype=np.uint8)
 SIGMA = np.array([2.0, 0.01, 2.0, 0.01])
-SPREAD = np.array([5.0, 0.05, 2.0, 0.01, 1.0, 0.1, 1.0, 0.01])
 
 
 def _near(picture, colour, tolerance=70):
@@ -25,11 +24,6 @@ def _near(picture, colour, tolerance=70):
 def _below_strip(picture):
     """Cut the status strip off, where the words are."""
     return picture[picture.shape[0] // 3 :]
-
-
-def _cloud(count, rng):
-    states = STATE.to_array() + rng.normal(0, 1, (count, 8)) * SPREAD
-    return np.hstack((states, rng.random((count, 1))))
 
 
 def _border_distance(picture, colour, state):

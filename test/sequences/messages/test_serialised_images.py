@@ -56,15 +56,40 @@ def test_the_pixels_are_a_view_that_cannot_be_written_to():
     assert data.readonly
 
 
-@pytest.mark.parametrize("read", [read_serialised_image, read_serialised_compressed_image])
-@given(data=st.binary(max_size=80), start=st.sampled_from([b"", b"\0\1\0\0", b"\0\0\0\0"]))
-def test_other_bytes_are_refused_or_read_and_never_more(read, data, start):
+HEADER = make_header(FACTORY, 5, "camera")
+PIXELS = memoryview(bytes(range(40)))
+SERIALISED = {
+    read_serialised_image: serialised(
+        make_image(FACTORY, RawImage("mono8", 4, 10, 10, False, PIXELS), HEADER), IMAGE
+    ),
+    read_serialised_compressed_image: serialised(
+        make_compressed_image(FACTORY, CompressedImage("jpeg", PIXELS), HEADER), COMPRESSED
+    ),
+}
+
+
+def assert_refused_or_read(read, data) -> None:
+    """It says so, or gives no more data than it was given."""
     try:
-        _, image = read(start + data)
+        _, image = read(data)
     except FrameError as error:
         assert "the bytes received are no sensor_msgs/" in str(error)
     else:
         assert len(image.data) <= len(data)
+
+
+@pytest.mark.parametrize("read", SERIALISED)
+@given(data=st.binary(max_size=80), start=st.sampled_from([b"", b"\0\1\0\0", b"\0\0\0\0"]))
+def test_random_bytes_are_refused_or_read(read, data, start):
+    assert_refused_or_read(read, start + data)
+
+
+@pytest.mark.parametrize("read", SERIALISED)
+@given(place=st.integers(0, 199), byte=st.integers(0, 255))
+def test_a_message_with_one_wrong_byte_is_refused_or_read(read, place, byte):
+    damaged = bytearray(SERIALISED[read])
+    damaged[place % len(damaged)] = byte
+    assert_refused_or_read(read, bytes(damaged))
 
 
 def test_a_length_beyond_the_end_is_refused():
