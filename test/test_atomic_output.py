@@ -104,7 +104,7 @@ def test_nothing_is_left_after_a_failure(tmp_path):
     assert not any(tmp_path.iterdir())
 
 
-def test_an_earlier_folder_is_replaced_only_when_told(tmp_path):
+def test_an_earlier_folder_is_replaced_only_on_request(tmp_path):
     fill(tmp_path / "out")
     with pytest.raises(OutputError, match="exists already"):
         fill(tmp_path / "out", "2")
@@ -153,7 +153,7 @@ def test_a_file_put_into_an_earlier_folder_meanwhile_is_carried_over(tmp_path):
     assert (tmp_path / "out/notes.txt").read_text() == "an hour of thoughts"
 
 
-def test_a_file_of_the_users_is_kept_beside_a_new_one_of_its_name(tmp_path):
+def test_a_user_file_is_kept_beside_a_new_one_of_its_name(tmp_path):
     folder = replacing(tmp_path / "out")
     (folder.content / "notes.txt").write_text("ours")
     (tmp_path / "out/notes.txt").write_text("mine")

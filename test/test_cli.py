@@ -49,7 +49,7 @@ def test_commands_are_listed_without_importing_what_they_need(words, shown):
     assert imported == "set()\n"
 
 
-def test_the_version_is_told_without_importing_what_commands_need():
+def test_the_version_is_printed_without_importing_the_packages_of_commands():
     assert told_and_imported("--version") == (f"cable-tracker {__version__}\n", "set()\n")
 
 
@@ -82,7 +82,7 @@ def test_the_help_lists_commands_by_what_one_wants_to_do(command, group, groups)
     ("place", "summary"),
     [listed for group in (*cli.GROUPS.values(), *dev.GROUPS.values()) for listed in group.values()],
 )
-def test_the_help_says_of_a_command_what_it_says_itself(place, summary):
+def test_the_overview_has_the_first_line_of_each_command_help(place, summary):
     module, attribute = place.split(":")
     said = getattr(import_module(f"{PACKAGE}.{module}"), attribute)
     words = said.info.help if isinstance(said, typer.Typer) else said.__doc__
@@ -108,7 +108,7 @@ def test_former_names_are_those_of_commands_under_dev(command, name):
 
 
 @pytest.mark.skipif(OLD_TYPER, reason="Typer gives no such advice before 0.15")
-def test_a_mistyped_command_is_told_the_right_one(command):
+def test_a_mistyped_command_is_refused_with_the_right_one(command):
     assert "Did you mean 'track'?" in command("trak").err
 
 
@@ -168,7 +168,7 @@ def test_characters_outside_the_encoding_are_printed_as_numbers(monkeypatch, enc
     assert out.buffer.getvalue() == printed + b"\xe4nge\n"
 
 
-def test_an_error_is_told_with_what_is_kept(command, monkeypatch):
+def test_an_error_is_reported_with_the_kept_output(command, monkeypatch):
     def fails():
         error = OutputError("map: cannot be written")
         error.add_note("2 finished tasks are kept in map")

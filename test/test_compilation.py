@@ -35,7 +35,7 @@ WITHOUT_COMPILING = (
 
 LONG = (
     "test/cable/thesis/test_bootstrap_filter.py"
-    "::test_a_cable_that_was_told_is_followed_and_speaks_for_itself[likelihood_ratio]"
+    "::test_a_given_cable_is_followed_as_the_only_hypothesis[likelihood_ratio]"
 )
 """The same test with the other observation takes a quarter of the time."""
 
@@ -90,7 +90,7 @@ def unkept(tmp_path, monkeypatch):
     return function
 
 
-def test_machine_code_that_cannot_be_saved_is_used_all_the_same(unkept):
+def test_machine_code_that_cannot_be_saved_is_used(unkept):
     with pytest.warns(RuntimeWarning, match="is not kept .*; make room"):
         assert unkept(4) == 8
 

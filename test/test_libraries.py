@@ -28,14 +28,14 @@ def test_errors_of_our_own_and_of_python_pass():
             raise error
 
 
-def test_opencv_uses_one_thread_meanwhile():
+def test_opencv_uses_one_thread_inside_the_context():
     before = cv2.getNumThreads()
     with one_thread():
         assert cv2.getNumThreads() == 1
     assert cv2.getNumThreads() == before
 
 
-def test_linear_algebra_uses_one_thread_meanwhile():
+def test_linear_algebra_uses_one_thread_inside_the_context():
     before = [pool["num_threads"] for pool in blas_pools()]
     assert before
     with one_thread():
@@ -47,7 +47,7 @@ def blas_pools():
     return [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
 
 
-def test_opencv_does_without_ipp_meanwhile():
+def test_opencv_does_without_ipp_inside_the_context():
     before = cv2.ipp.useIPP()
     with without_ipp():
         assert not cv2.ipp.useIPP()

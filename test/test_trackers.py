@@ -81,7 +81,7 @@ def test_a_detector_that_is_named_later_is_the_one_that_is_asked_from_then_on(de
     assert share_at_the_stripe(tracker) == share_at_the_stripe(CableTracker(parameters))
 
 
-def test_a_table_that_cannot_be_read_is_said():
+def test_an_unreadable_table_is_refused():
     with pytest.raises(ParameterError, match="response_table"):
         make_tracker(TrackerParameters(response_table="no such file.json"))
 

@@ -105,7 +105,7 @@ def test_a_given_cable_is_followed(dive, name, angle_tolerance):
     assert skew < 2.5 * DEGREE
 
 
-def test_an_estimate_says_all_about_its_frame(dive):
+def test_an_estimate_has_the_stamp_and_size_of_its_frame(dive):
     frames = dive(frames=3)
     tracker = tracker_given(frames[0][2], particle_count=200)
     for (image, stamp, _), estimate in zip(frames, run(tracker, frames), strict=True):
@@ -179,13 +179,13 @@ def test_a_shadow_that_stands_still_over_moving_ground_is_given_up_with_the_reas
     assert "fixed to the vehicle" in event
 
 
-def test_with_no_travel_asked_for_a_shadow_is_followed_as_a_cable_is():
+def test_with_a_fixture_travel_of_zero_a_shadow_is_followed_like_a_cable():
     estimates = run(make_tracker(TrackerParameters(fixture_travel=0.0)), shadow_of_a_frame())
     assert estimates[-1].is_claimed
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_random_start_finds_the_cable_and_says_so_only_then(strip_picture, seed):
+def test_a_random_start_claims_the_cable_once_it_is_found(strip_picture, seed):
     estimates = run(
         make_tracker(TrackerParameters(seed=seed)),
         stamped([strip_picture] * 60),
@@ -228,7 +228,7 @@ def test_a_reset_tracker_is_like_a_new_one(dive):
     assert [e.state for e in run(tracker, frames)] == fresh
 
 
-def test_another_image_size_starts_anew_and_says_so(strip_picture, draw_strip):
+def test_another_image_size_restarts_tracking_with_an_event(strip_picture, draw_strip):
     tracker = tracker_given(STRIP)
     run(tracker, stamped([strip_picture] * 5))
     larger = draw_strip(LARGER_STRIP, LARGER_SIZE)
@@ -239,14 +239,14 @@ def test_another_image_size_starts_anew_and_says_so(strip_picture, draw_strip):
     assert tracker.process(larger, START + 6 * FRAME).event == ""
 
 
-def test_time_going_back_starts_anew_and_says_so(strip_picture):
+def test_a_stamp_far_back_restarts_tracking_with_an_event(strip_picture):
     tracker = tracker_given(STRIP)
     run(tracker, stamped([strip_picture] * 5))
     estimate = tracker.process(strip_picture, START - 2 * FRAME)
     assert (estimate.event, estimate.status) == ("time went back by 0.240 s", INITIALISING)
 
 
-def test_a_long_gap_starts_anew_and_a_short_one_does_not(strip_picture):
+def test_only_a_long_gap_restarts_tracking(strip_picture):
     tracker = tracker_given(STRIP)
     run(tracker, stamped([strip_picture] * 5))
     stamp = START + 4 * FRAME + 500_000_000
@@ -517,7 +517,7 @@ def test_a_cable_across_the_image_is_followed_over_the_wrap(draw_strip, name, to
 
 @pytest.mark.parametrize("name", ["default", "thesis"])
 @pytest.mark.parametrize("kind", ["told", "random"])
-def test_one_particle_is_enough_to_run(strip_picture, noise_pictures, name, kind):
+def test_a_single_particle_gives_sound_estimates(strip_picture, noise_pictures, name, kind):
     # What the particles alone are unsure of: no displacement, and no map to disagree with.
     alone = {"particle_count": 1, "border_displacement": 0.0, "looks": "borders"}
     tracker = CableTracker(preset(name).replaced(alone))
@@ -534,7 +534,7 @@ def test_one_particle_is_enough_to_run(strip_picture, noise_pictures, name, kind
 
 
 @pytest.mark.parametrize("size", [(48, 36), (16, 400), (2400, 16), (16, 8000)])
-def test_frames_of_unusual_size_are_no_problem(size):
+def test_frames_of_unusual_size_give_sound_estimates(size):
     rng = np.random.default_rng(0)
     tracker = make_tracker(TrackerParameters(particle_count=50))
     for k in range(3):
@@ -701,7 +701,7 @@ ODD_FRAMES = {
 @pytest.mark.parametrize(
     ("kind", "count"), [*((kind, 200) for kind in ODD_FRAMES), ("salt", 8), ("salt", 1)]
 )
-def test_odd_frames_are_no_problem_and_no_warning(kind, count):
+def test_odd_frames_give_sound_estimates_without_a_warning(kind, count):
     rng = np.random.default_rng(0)
     tracker = make_tracker(TrackerParameters(particle_count=count))
     for k in range(4):
@@ -709,7 +709,7 @@ def test_odd_frames_are_no_problem_and_no_warning(kind, count):
 
 
 @pytest.mark.filterwarnings("error")
-def test_limits_that_exclude_every_particle_are_no_problem_and_no_warning(strip_picture):
+def test_limits_that_exclude_every_particle_give_sound_estimates_without_a_warning(strip_picture):
     tracker = tracker_given(STRIP, width_minimum=150.0)
     for estimate in run(tracker, stamped([strip_picture] * 6)):
         assert_sound(estimate, tracker.parameters.particle_count)
@@ -822,7 +822,7 @@ def test_odometry_does_not_move_a_state_that_was_given_of_this_frame(name, draw_
     assert estimate.state.distance == pytest.approx(STRIP.distance, abs=4.0)
 
 
-def test_a_given_start_beyond_the_limits_is_told_with_the_frame_that_it_starts(draw_strip):
+def test_a_given_start_beyond_the_limits_is_an_event_of_its_first_frame(draw_strip):
     tracker = tracker_given(replace(STRIP, width=400.0))
     image = draw_strip(STRIP)
     notice = "the given start is limited: w 400.0 px by width_maximum"

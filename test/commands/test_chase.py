@@ -51,7 +51,7 @@ def test_options_become_the_world_that_is_run(run, asked, tmp_path):
     assert (output, overwrite) == (tmp_path / "c", True)
 
 
-def test_shares_are_told_in_percent_and_lengths_in_metres(run, asked, tmp_path):
+def test_shares_are_printed_in_percent_and_lengths_in_metres(run, asked, tmp_path):
     result = run("--output", tmp_path / "c")
     assert "87.5%" in result.out
     assert "2.61" in result.out
@@ -67,7 +67,7 @@ def test_bad_options_are_refused_before_a_run(run, asked, words):
     assert asked == []
 
 
-def test_without_ros_it_is_said_what_is_missing(run, monkeypatch, tmp_path):
+def test_without_ros_the_missing_package_is_named(run, monkeypatch, tmp_path):
     def missing(_name):
         raise RosError("ROS 2 is not installed")
 

@@ -106,7 +106,7 @@ def test_an_ambiguous_altitude_topic_is_not_copied_and_noted(command, dive):
     assert messages_of(Path("chosen"), "/sonar")
 
 
-def test_messages_that_cannot_be_read_are_left_out_and_said(command, dive):
+def test_unreadable_messages_are_left_out_with_a_note(command, dive):
     with closing(open_bag(dive)) as recorded, BagWriter(Path("torn")) as bag:
         for each in recorded.messages(["/image", "/altitude"]):
             data = each.data[:10] if each.topic == "/altitude" else each.data
@@ -158,7 +158,7 @@ def test_garbage_is_refused_in_one_line_that_names_it(command):
     assert [path.name for path in Path().iterdir()] == ["a.mcap"]
 
 
-def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(command, unlabelled):
+def test_the_frames_before_the_damage_are_used_and_the_damage_is_reported(command, unlabelled):
     Path("pictures/frame_000002.png").write_bytes(b"garbage")
     command("convert", unlabelled, "out").assert_broken_off(2, "frame_000002.png")
 

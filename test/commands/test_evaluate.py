@@ -33,7 +33,7 @@ def empty_figures(monkeypatch):
 
 
 @pytest.mark.usefixtures("empty_figures")
-def test_parameters_of_ones_own_are_judged_beside_the_default(command, tmp_path, labels):
+def test_user_parameters_are_evaluated_beside_the_default(command, tmp_path, labels):
     (tmp_path / "mine.yaml").write_text("particle_count: 60\n")
     code, _, error = command(
         "evaluate", "--source", labels, "--params", tmp_path / "mine.yaml", "-p", "seed:=3",
@@ -49,7 +49,7 @@ def test_parameters_of_ones_own_are_judged_beside_the_default(command, tmp_path,
 
 
 @pytest.mark.usefixtures("empty_figures")
-def test_pictures_without_labels_are_judged_as_empty_when_that_is_said(command, tmp_path, labels):
+def test_pictures_without_labels_are_evaluated_as_empty_on_request(command, tmp_path, labels):
     labels.unlink()
     judged = ("evaluate", "--source", labels.parent, "--seeds", 1, "--workers", 1)
     code, _, error = command(
@@ -68,7 +68,7 @@ def test_labels_without_a_recording_are_refused(command, tmp_path, options):
     assert "--truth can only do something for a recording, --source" in error
 
 
-def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_path):
+def test_trackers_with_user_parameters_are_named_after_their_files(tmp_path):
     for name in ("a", "b", "default"):
         (tmp_path / f"{name}.yaml").write_text("preset: thesis\nloss_time: 2.0\n")
     files = [tmp_path / "a.yaml", tmp_path / "b.yaml"]
@@ -86,7 +86,7 @@ def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_pa
             tuned_filters([tmp_path / name for name in names], None, None)
 
 
-def test_that_a_single_value_does_nothing_is_said_once_for_all_files(tmp_path, capsys):
+def test_a_value_without_effect_is_noted_once_for_all_files(tmp_path, capsys):
     files = [tmp_path / "a.yaml", tmp_path / "b.yaml"]
     for file in files:
         file.write_text("particle_count: 60\n")

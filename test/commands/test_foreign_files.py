@@ -26,7 +26,7 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_folder_with_files_of_the_users_is_not_replaced(command, tmp_path, name):
+def test_a_folder_with_user_files_is_not_replaced(command, tmp_path, name):
     words, marker = COMMANDS[name]
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / marker).touch()

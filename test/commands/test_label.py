@@ -26,13 +26,13 @@ def folder(tmp_path):
     return path
 
 
-def test_a_missing_recording_is_told(tmp_path):
+def test_a_missing_recording_is_refused(tmp_path):
     with pytest.raises(RecordingError, match="there is no such file or folder"):
         label(tmp_path / "nowhere.avi")
 
 
 @pytest.mark.parametrize("named", [True, False])
-def test_an_unreadable_label_file_is_told_by_line_and_left_alone(folder, tmp_path, named):
+def test_an_unreadable_label_file_is_refused_by_line_and_left_alone(folder, tmp_path, named):
     labels = tmp_path / "dive.txt"
     labels.write_text(f"{LINE}what?\n")
     with pytest.raises(RecordingError, match=r"dive\.txt: line 2 is malformed"):
@@ -52,7 +52,7 @@ def test_a_picture_that_cannot_be_decoded_is_a_frame_with_its_trouble(left_unsav
     assert seen == [(2, f"the data is no picture: {kinds} by its first bytes")]
 
 
-def test_a_taken_port_is_told(folder):
+def test_a_taken_port_is_reported(folder):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -111,7 +111,7 @@ def test_the_closing_note_names_the_file_that_was_chosen_in_the_page(
     assert command_in(note)[2:] == [str(folder), "--labels", str(tmp_path / "third.txt")]
 
 
-def test_labels_that_could_not_be_kept_are_told_to_be_lost(left_unsaved, folder, tmp_path):
+def test_labels_that_could_not_be_saved_are_reported_as_lost(left_unsaved, folder, tmp_path):
     note = left_unsaved(folder, labels=tmp_path / "nowhere" / "labels.txt")
     assert note.startswith("note: the labels that were not saved are lost: ")
     assert "labels.txt.autosave (" in note

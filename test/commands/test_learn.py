@@ -103,7 +103,7 @@ def test_several_sources_and_scenarios_add_up(command, bag, labels):
     assert printed.startswith(f"{4 * 2} frames and {4 * 2 * 2} harder copies of them, ")
 
 
-def test_without_harder_frames_nothing_is_said_of_them(command, bag):
+def test_without_harder_frames_no_line_mentions_them(command, bag):
     _, printed, _ = command("learn", bag, "--harder", 0, "--output", "table.json")
     assert printed.startswith(f"{FRAMES} frames, ")
 
@@ -132,7 +132,7 @@ def test_frames_without_a_cable_teach_what_a_bottom_looks_like(command):
     assert more > elsewhere
 
 
-def test_frames_without_a_label_are_background_when_that_is_said(command, labels, unlabelled):
+def test_frames_without_a_label_are_background_on_request(command, labels, unlabelled):
     few = Path("few.txt")
     few.write_text("".join(labels.read_text().splitlines(keepends=True)[:4]))
     wanted = ("learn", unlabelled, "--truth", few, "--harder", 0, "--output")
@@ -268,7 +268,7 @@ def test_other_files_are_recognised_as_no_table(tmp_path, content):
     assert not is_table(tmp_path / "x.json")
 
 
-def test_a_table_says_which_worlds_of_a_pattern_it_lacks(monkeypatch, command, tmp_path):
+def test_a_table_names_the_worlds_of_a_pattern_that_it_lacks(monkeypatch, command, tmp_path):
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
     code, _, messages = command(
         "learn", "--scenario", "tune_[ce]*", "--frames", 1, "--harder", 0, "--output", "table.json"

@@ -110,7 +110,7 @@ def names_in(folder: Path) -> set[str]:
 @pytest.mark.parametrize(
     ("name", "pages"), [*((name, 0) for name in WRITING), *((name, SOME_ROOM) for name in LARGE)]
 )
-def test_on_a_full_disk_only_finished_tasks_are_left_and_one_line_says_why(
+def test_on_a_full_disk_only_finished_tasks_are_left_and_one_line_names_the_reason(
     run, small_disk, name, pages
 ):
     disk = small_disk(pages)
@@ -124,7 +124,7 @@ def test_on_a_full_disk_only_finished_tasks_are_left_and_one_line_says_why(
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_folder_that_cannot_be_written_to_is_said_at_once(run, tmp_path, name):
+def test_a_folder_that_cannot_be_written_to_is_refused_at_once(run, tmp_path, name):
     # A file where a folder is needed stops every user, root too.
     (tmp_path / "file").write_text("x")
     outcome = run(name, tmp_path / "file" / "out")
@@ -150,7 +150,7 @@ def test_a_foreign_file_or_folder_is_never_replaced(run, tmp_path, name, inside)
 
 
 @pytest.mark.parametrize("name", WRITING)
-def test_an_earlier_output_is_replaced_when_it_is_said(run, tmp_path, name):
+def test_an_earlier_output_is_replaced_with_force(run, tmp_path, name):
     output = tmp_path / "out"
     assert run(name, output).code == 0
     before = output.stat().st_ino

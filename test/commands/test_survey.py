@@ -139,7 +139,7 @@ def test_only_broken_recordings_are_an_error(tmp_path, run):
     assert "none of the 1 recordings could be surveyed" in said
 
 
-def test_a_mistyped_topic_leaves_an_earlier_map_and_says_so(surveyed, dives, run, tmp_path):
+def test_a_mistyped_topic_is_refused_and_leaves_an_earlier_map(surveyed, dives, run, tmp_path):
     output = shutil.copytree(surveyed, tmp_path / "out")
     before = (output / "events.csv").read_bytes()
     code, said = run("survey", *dives, "--output", output, "--resume", "--topic", "/camera/imge")
@@ -224,7 +224,7 @@ def test_track_gives_metres_for_what_it_claims(tracked):
     assert all(row.metres.sigma_offset > 0.0 for row in claimed)
 
 
-def test_without_an_altitude_track_says_why_there_are_no_metres(tracked):
+def test_without_an_altitude_the_reason_for_missing_metres_is_noted(tracked):
     rows = tracked("--altitude-topic", "none")
     assert all(row.metres is None and "altitude" in row.no_metres for row in rows if row.state)
 

@@ -65,7 +65,7 @@ def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(run, first_bo
     assert cv2.imread(str(tmp_path / "out" / "overlay.png")).mean() > 60
 
 
-def test_the_table_says_why_a_frame_was_refused_and_why_tracking_started_anew(
+def test_the_table_has_the_reasons_for_refused_frames_and_restarts(
     run, folder, first_box, tmp_path
 ):
     dive = tmp_path / "dive"
@@ -94,7 +94,9 @@ def test_without_a_bag_no_messages_are_made(run, folder, first_box, tmp_path, mo
     }  # fmt: skip
 
 
-def test_a_table_alone_is_made_and_told_where_no_more_is_wanted(run, folder, first_box, tmp_path):
+def test_only_the_table_is_written_and_printed_when_only_it_is_wanted(
+    run, folder, first_box, tmp_path
+):
     words = ",".join(str(side) for side in first_box)
     nothing_else = ("--no-bag", "--no-video", "--no-pictures")
     result = run(folder, "--init", words, *nothing_else, "--output", tmp_path / "out")

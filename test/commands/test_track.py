@@ -34,7 +34,7 @@ def test_a_bag_is_tracked_into_a_folder(command, bag):
         assert Path(line.strip()).exists()
 
 
-def test_with_a_vehicle_file_it_is_told_why_there_are_no_metres(command, bag):
+def test_with_a_vehicle_file_the_reason_for_missing_metres_is_noted(command, bag):
     Path("vehicle.yaml").write_text("fixed_altitude: 2.0\n")
     outcome = command("track", bag, "--init", "truth", "--vehicle", "vehicle.yaml")
     assert "\nno metres: no camera calibration (8 claims)\n" in outcome.out
@@ -125,14 +125,14 @@ def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(command, bag):
     assert outcome.err.startswith("note: ")
 
 
-def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(command, unlabelled):
+def test_the_frames_before_the_damage_are_used_and_the_damage_is_reported(command, unlabelled):
     Path("pictures/frame_000002.png").write_bytes(b"garbage")
     outcome = command("track", unlabelled, "--output", "out", *TABLE_ALONE)
     outcome.assert_broken_off(2, "frame_000002.png")
     assert len(read_estimates(Path("out/estimates.csv"))) == 2
 
 
-def test_instruments_that_cannot_be_read_are_told_once(command):
+def test_unreadable_instruments_are_reported_once(command):
     factory = RosbagsMessages()
     with BagWriter(Path("dive")) as writer:
         for frame in small_dive(3, 0.5):

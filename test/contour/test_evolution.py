@@ -32,7 +32,7 @@ def worked_example():
     return image, mask
 
 
-def test_the_worked_example_holds_what_it_says():
+def test_the_worked_example_holds_its_figures():
     image, mask = worked_example()
     assert (mask.sum(), image[mask].sum(), (~mask).sum(), image[~mask].sum()) == (30, 2, 114, 95)
     energies = [energy(image, mask)]

@@ -101,7 +101,7 @@ def test_points_that_brighten_the_other_way_do_not_belong(edge_line):
     assert len(fit(edge_line(np.pi, 0.0), (0.0, 0.0))) == 0
 
 
-def test_a_line_through_too_few_points_is_none(edge_line):
+def test_too_few_points_give_no_line(edge_line):
     assert len(fit(edge_line(0.0, 20.0, 0.0, 5.0), (0.0, 20.0))) == 0
 
 

@@ -26,7 +26,7 @@ def test_a_line_across_ripples_is_clearer_than_the_ripples(rng):
 
 
 @given(row=st.floats(4.0, 20.0), column=st.floats(4.0, 36.0))
-def test_a_peak_is_told_between_its_bins(row, column):
+def test_a_peak_is_located_between_its_bins(row, column):
     rows, columns = np.mgrid[:30, :41]
     votes = np.exp(-0.5 * ((rows - row) ** 2 + (columns - column) ** 2) / 1.5**2)
     angles, offsets, supports = strongest_lines(votes.astype(np.float32), 3.0, 24)
@@ -44,7 +44,7 @@ def test_a_peak_may_lie_across_the_seam_of_the_angles(rng):
     assert supports[1] < 0.5 * supports[0]
 
 
-def test_the_clearest_lines_come_first_and_no_more_than_asked_for(rng):
+def test_at_most_the_wanted_number_of_lines_comes_clearest_first(rng):
     votes = rng.exponential(1.0, (40, 31)).astype(np.float32)
     few, many = (strongest_lines(votes, 3.0, most)[2] for most in (5, 1000))
     assert (np.diff(many) <= 0.0).all()

@@ -71,7 +71,7 @@ def test_a_vehicle_that_is_turned_away_knows_on_which_side_the_line_is(turned):
     assert seen.offset * math.cos(seen.heading) == pytest.approx(1.0)
 
 
-def test_a_line_right_across_has_an_offset_all_the_same():
+def test_a_line_right_across_has_an_offset():
     seen = RememberedLine(0.0, 0.0, 0.0).relative_to(Pose(0.0, -1.0, math.pi / 2))
     assert abs(seen.offset) == pytest.approx(10.0)
 

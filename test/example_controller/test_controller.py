@@ -160,7 +160,7 @@ def test_a_moderate_head_current_does_not_shorten_the_search(following):
     assert following.pose.x > start + 0.95 * SETTINGS.search_length
 
 
-def test_each_search_has_its_time_anew(following):
+def test_the_time_limit_restarts_with_each_search(following):
     held = following.pose
     for _ in range(3):
         for _ in following.sees_nothing(100.0):

@@ -138,9 +138,7 @@ class TestTracker:
         assert tracker.values()["use_sim_time"] is True
         assert tracker.ros_arguments == ("--log-level", "debug")
 
-    def test_a_file_of_ones_own_takes_the_place_of_the_presets(
-        self, start: Play, tmp_path: Path
-    ) -> None:
+    def test_a_user_file_replaces_that_of_the_preset(self, start: Play, tmp_path: Path) -> None:
         own = tmp_path / "own.yaml"
         own.write_text("/**: {ros__parameters: {particle_count: 70}}")
         tracker = start("tracker.launch.py", params_file=str(own), preset="thesis")["tracker"]
@@ -236,7 +234,7 @@ class TestLoop:
         assert nodes["simulator"].values()["seed"] == 3
         assert nodes["simulator"].values()["length"] == 20.0
 
-    def test_a_file_of_the_users_counts_for_more_than_the_arguments(self, start: Play) -> None:
+    def test_a_user_file_wins_over_the_arguments(self, start: Play) -> None:
         simulator = start("loop.launch.py")["simulator"]
         assert simulator.parameters[-1] == ROOT / "config" / "loop.yaml"
 

@@ -58,7 +58,7 @@ def test_a_thin_cable_is_asked_for_more_evidence():
     assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, BY_BORDERS)
 
 
-def test_a_thin_cable_is_asked_for_no_more_where_the_network_looks():
+def test_with_the_network_a_thin_cable_needs_no_more_evidence():
     assert "evidence_to_find asks for 0.45" in words(rows(), [(32.0, 1280)] * 3, PARAMETERS)
 
 
@@ -68,11 +68,11 @@ def test_for_a_thin_cable_thin_width_is_named():
     assert "thin_width" not in words(rows(), [(60.0, 320)] * 3, BY_BORDERS)
 
 
-def test_high_values_that_did_not_last_are_told_apart():
+def test_advice_tells_high_values_that_did_not_last_from_low_ones():
     assert "confirmation_time" in words(rows(1.0, 3.0), [], PARAMETERS)
 
 
-def test_frames_that_each_start_anew_are_told_with_their_reason():
+def test_advice_names_the_reason_why_every_frame_restarts_tracking():
     anew = [replace(row, event="no frame for 10 s") for row in rows(1.0, 3.0)]
     said = words(anew, [], PARAMETERS)
     assert "started anew in 5 of 5 frames, for example: no frame for 10 s" in said
@@ -87,7 +87,7 @@ def test_too_few_usable_frames_are_no_reason_to_shorten_the_confirmation():
     assert "shorter" not in said
 
 
-def test_a_width_at_its_limit_is_said_in_units_of_the_parameters():
+def test_advice_gives_a_width_at_its_limit_in_units_of_the_parameters():
     thin = [(4 * PARAMETERS.initial_width_minimum, 1280)] * 5
     wide = [(PARAMETERS.initial_width_maximum, 320)] * 5
     assert "at its lower limit" in words(rows(), thin, PARAMETERS)

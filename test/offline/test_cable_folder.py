@@ -83,7 +83,7 @@ def test_unwanted_results_are_not_written(tmp_path, dive, wanted, missing):
     assert set(results.names) == NAMES - missing
 
 
-def test_a_disk_that_is_full_amid_the_video_is_told(tmp_path, dive, monkeypatch):
+def test_a_disk_that_fills_up_during_the_video_is_reported(tmp_path, dive, monkeypatch):
     def refuse(writer, image, stamp):
         raise OutputError("overlay.webm: cannot be written (No space left on device)")
 
@@ -151,7 +151,7 @@ def test_an_empty_folder_may_be_filled(tmp_path, dive):
 
 
 @pytest.mark.parametrize("name", ["write_estimates", "plot_estimates"])
-def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(
+def test_a_disk_that_is_full_at_the_end_is_reported_in_one_line(
     tmp_path, dive, monkeypatch, full_disk, name
 ):
     monkeypatch.setattr(cable_folder, name, full_disk)
@@ -165,7 +165,7 @@ def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(
 
 
 @pytest.mark.parametrize(("module", "name"), [(results, "BagWriter"), (results, "VideoWriter")])
-def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(
+def test_a_disk_that_is_full_at_the_start_is_reported_in_one_line(
     tmp_path, monkeypatch, full_disk, module, name
 ):
     monkeypatch.setattr(module, name, full_disk)
@@ -177,7 +177,7 @@ def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(
     assert names_in(tmp_path) == set()
 
 
-def test_a_user_who_stops_it_at_the_start_hears_of_nothing_else(tmp_path, monkeypatch):
+def test_an_interrupt_at_the_start_is_not_hidden_by_another_error(tmp_path, monkeypatch):
     def stopped():
         raise KeyboardInterrupt
 

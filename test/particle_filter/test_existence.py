@@ -41,7 +41,7 @@ def test_an_observation_counts_by_bayes_rule(survived, birth, log_ratio):
 
 
 @given(SHARES)
-def test_an_observation_that_says_nothing_changes_nothing(probability):
+def test_an_uninformative_observation_changes_nothing(probability):
     predicted = PredictedExistence(probability, 0.0)
     updated = update_existence(predicted, math.log(probability), LEAST, MOST)
     assert updated == pytest.approx(probability)

@@ -97,7 +97,7 @@ def test_selected_particles_weigh_the_same(particles):
     np.testing.assert_allclose(selected.weights, 0.25)
 
 
-def test_log_sum_exp_of_moderate_values_is_what_it_says():
+def test_log_sum_exp_of_moderate_values_is_the_logarithm_of_the_sum():
     values = np.array([0.0, 1.0, -2.0])
     assert log_sum_exp(values) == pytest.approx(np.log(np.exp(values).sum()), rel=1e-15)
 
@@ -198,7 +198,7 @@ def copies(scheme, weights, count, rng) -> np.ndarray:
 
 @SCHEMES
 @pytest.mark.parametrize("count", [9, 14, 100])
-def test_every_particle_is_drawn_as_often_as_its_weight_says(scheme, count, rng):
+def test_every_particle_is_drawn_in_proportion_to_its_weight(scheme, count, rng):
     drawn = np.array([copies(scheme, WEIGHTS, count, rng) for _ in range(REPEATS)])
     # No unbiased scheme varies more than independent draws: N w (1 - w). Five standard errors.
     margin = 5 * np.sqrt(count * WEIGHTS * (1 - WEIGHTS) / REPEATS)

@@ -66,7 +66,7 @@ def test_draws_have_the_quantiles_of_the_density(tail, rng):
     assert (draws < 0).mean() == pytest.approx(0.5, abs=0.012)
 
 
-def test_no_draws_are_no_problem(rng):
+def test_zero_draws_give_empty_arrays(rng):
     assert standard_student_t(rng, 0, 3, 4.0).shape == (0, 3)
 
 

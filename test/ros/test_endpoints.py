@@ -43,7 +43,7 @@ def test_raw_messages_are_bytes(world: Any) -> None:
     assert isinstance(heard[0], bytes)
 
 
-def test_a_package_of_messages_that_is_not_installed_is_told_of(
+def test_a_missing_package_of_messages_is_reported(
     world: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing(type_name: str) -> Any:

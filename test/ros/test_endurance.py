@@ -242,7 +242,7 @@ class TestNetwork:
         assert {address for _, address in addresses} <= LOOPBACK
         assert {kind for kind, _ in addresses} == {"udp"}
 
-    def test_without_a_profile_it_listens_everywhere_which_the_documentation_says(
+    def test_without_a_profile_a_node_listens_on_all_interfaces_as_documented(
         self, start_process: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.delenv(PROFILE_VARIABLE)

@@ -121,12 +121,14 @@ class TestStart:
         with pytest.raises(ParameterError, match="width_minimum = 50 must not exceed"):
             world.tracker(width_minimum=50.0, width_maximum=40.0)
 
-    def test_unknown_names_are_told(self, world: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    def test_unknown_parameters_are_reported(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
         node = world.tracker(partikel_count=3)
         assert node_parameters.unknown_overrides(node) == ["partikel_count"]
         assert "unknown parameter 'partikel_count' is ignored" in capfd.readouterr().err
 
-    def test_overrides_of_quality_of_service_are_told_to_change_nothing(
+    def test_overrides_of_quality_of_service_are_reported_as_without_effect(
         self, world: Any, capfd: pytest.CaptureFixture[str]
     ) -> None:
         name = "qos_overrides./image.subscription.reliability"
@@ -136,7 +138,7 @@ class TestStart:
         assert "image_reliability" in told
 
     @pytest.mark.parametrize("node", ["simulator", "controller"])
-    def test_unknown_names_are_told_by_the_nodes_of_the_loop(
+    def test_unknown_parameters_are_reported_by_the_nodes_of_the_loop(
         self, world: Any, capfd: pytest.CaptureFixture[str], node: str
     ) -> None:
         getattr(world, node)(sped=3.0)

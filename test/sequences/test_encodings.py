@@ -76,7 +76,7 @@ def test_every_encoding_of_the_design_is_known():
 
 
 @pytest.mark.parametrize("encoding", [name for name in ENCODINGS if not name.startswith("bayer")])
-def test_grey_is_what_the_weights_say(encoding):
+def test_grey_is_the_weighted_sum_of_the_channels(encoding):
     numbers = random_numbers(encoding)
     for padding, big in product((0, 3, 8), (False, True)):
         grey = decode_grey(packed(encoding, numbers, padding=padding, big=big))
@@ -354,7 +354,7 @@ def test_an_array_that_does_not_fit_the_encoding_is_refused():
             raw_from_array(np.zeros((4, 4), np.uint8), encoding)
 
 
-def test_opencv_says_nothing_of_a_picture_that_it_cannot_read(tmp_path):
+def test_opencv_prints_nothing_for_an_unreadable_picture(tmp_path):
     path = tmp_path / "missing.png"
     code = (
         "import sys; sys.path[:] = " + repr(sys.path) + "\n"

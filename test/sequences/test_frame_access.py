@@ -110,7 +110,7 @@ def test_a_negative_frame_number_is_refused(numbers):
         FrameAccess(numbers).frame(-1)
 
 
-def test_damage_is_told_and_the_frames_before_it_remain(tmp_path):
+def test_damage_is_reported_and_the_frames_before_it_remain(tmp_path):
     frames = FrameAccess(Numbers(tmp_path, 4, broken=True))
     with pytest.raises(RecordingError, match="cut off"):
         frames.frame(4)

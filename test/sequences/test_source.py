@@ -93,7 +93,7 @@ def test_an_empty_file_is_refused(tmp_path, name):
         open_source(tmp_path / name)
 
 
-def test_an_unknown_kind_says_what_is_known(tmp_path):
+def test_an_unknown_kind_is_refused_with_the_known_ones(tmp_path):
     (tmp_path / "x.pdf").write_text("x")
     with pytest.raises(RecordingError, match=r"\.pdf is no known kind .*\.mcap.*\.mp4"):
         open_source(tmp_path / "x.pdf")
@@ -330,7 +330,7 @@ def test_a_label_beyond_the_end_is_named_after_the_last_frame_where_the_end_is_n
     assert [frame.truth is None for frame in later] == [True, False]
 
 
-def test_a_label_without_a_number_is_none_of_a_frame_of_a_bag(make_bag, truth_of):
+def test_a_label_without_a_frame_number_is_refused_for_a_bag(make_bag, truth_of):
     with pytest.raises(RecordingError, match=r"line 2 labels bag, which is no .*FILE:FRAME"):
         open_source(make_bag(truth=False), truth=truth_of("bag", "bag:3"))
 

@@ -50,7 +50,7 @@ def test_a_little_more_or_less_light_leaves_it(spread, before, light):
 
 
 @pytest.mark.parametrize("before", [1.0, 64.0])
-def test_a_flat_picture_says_nothing(before):
+def test_a_flat_picture_keeps_the_gain(before):
     assert level_gain(before, np.full((120, 160), 0.3, np.float32)) == before
 
 

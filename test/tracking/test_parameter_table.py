@@ -107,7 +107,7 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
         check_name("lamp", "dusk", ("day", "night"))
 
 
-def test_words_are_the_values_with_choices_and_numbers_are_none():
+def test_words_are_the_parameters_with_choices():
     assert LampParameters(bulbs=1).choices() == LampParameters(bulbs=2).choices() == ("white",)
     assert LampParameters(bulbs=1, colour="red").choices() == ("red",)
 
@@ -169,7 +169,7 @@ def test_a_bad_word_is_refused(name, value):
 
 
 @pytest.mark.parametrize("value", ["blue", ""])
-def test_a_word_that_is_none_of_the_choices_is_refused(value):
+def test_a_word_outside_the_choices_is_refused(value):
     with pytest.raises(ParameterError, match=rf"colour: '{value}' is none of white \| red"):
         LampParameters(colour=value)
 

@@ -28,7 +28,7 @@ def test_a_factor_acts_once_per_reference_frame():
 
 
 @pytest.mark.parametrize("rate", [0.0, 1e-12, 0.7, 50.0])
-def test_an_event_is_as_likely_as_its_rate_says(rate):
+def test_the_probability_of_an_event_follows_from_its_rate(rate):
     assert event_probability(rate, 0.0) == 0.0
     assert event_probability(rate, 1e-3) == pytest.approx(rate * 1e-3, rel=0.03)
     assert event_probability(rate, 1.0) == pytest.approx(1.0 - math.exp(-rate), abs=1e-12)

@@ -42,7 +42,7 @@ def _border_distance(picture, colour, state):
 
 
 @pytest.mark.parametrize("state", [STATE, CableState(-31.5, -0.5, 25.0, -0.02)])
-def test_lines_are_drawn_where_the_state_says(state):
+def test_lines_are_drawn_at_the_state(state):
     picture = draw_overlay(BLACK, state=state, status="TRACKING")
     assert _border_distance(picture, GREEN, state).max() < 1.5
 

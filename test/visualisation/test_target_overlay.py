@@ -28,7 +28,7 @@ def test_a_claimed_target_has_box_and_contour():
     assert picture[85, 120].any()
 
 
-def test_a_lost_one_has_neither():
+def test_a_lost_target_has_neither_box_nor_contour():
     picture = draw_target(np.zeros((240, 320), np.uint8), estimate(TrackingStatus.LOST), None)
     assert not picture[60:130].any()
 

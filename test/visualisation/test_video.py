@@ -169,7 +169,7 @@ def test_a_full_disk_is_reported_and_nothing_left(tmp_path, full_disk):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_writer_that_is_not_open_says_so(tmp_path):
+def test_a_writer_that_is_not_open_is_refused(tmp_path):
     with pytest.raises(OutputError, match="not open"):
         VideoWriter(tmp_path / "v.webm").add(_picture(0), 0)
 

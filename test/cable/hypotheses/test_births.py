@@ -133,7 +133,7 @@ MEMORIES = {
 
 
 @pytest.mark.parametrize("memory", MEMORIES.values(), ids=MEMORIES)
-def test_births_are_drawn_from_the_density_that_is_said(memory, rng):
+def test_births_are_drawn_from_their_density(memory, rng):
     """The mean of g / density over draws is the integral of g, here of a box and of half of it."""
     density = births(memory)
     draws = draw_births(density, 10_000, rng)
@@ -148,7 +148,7 @@ def test_births_are_drawn_from_the_density_that_is_said(memory, rng):
 
 
 @pytest.mark.parametrize("kind", [kind for kind in MEMORIES if kind not in ("none", "forgotten")])
-def test_about_the_remembered_cable_births_are_drawn_from_the_density_that_is_said(kind, rng):
+def test_births_about_the_remembered_cable_are_drawn_from_their_density(kind, rng):
     """The mean of one over the density, over draws within a box, is the volume of the box."""
     memory = MEMORIES[kind]
     density = births(memory)

@@ -170,7 +170,7 @@ def test_the_polarity_is_never_beyond_doubt(before, found, presence, memory, dt)
     assert POLARITY_DOUBT <= after <= 1.0 - POLARITY_DOUBT
 
 
-def test_a_frame_without_a_cable_says_nothing_of_its_polarity():
+def test_a_frame_without_a_cable_leaves_the_polarity_unknown():
     assert updated_p_bright(0.8, 0.0, 0.0, 1.0, 0.04) == pytest.approx(0.8)
     assert updated_p_bright(0.8, 0.1, 1.0, 1.0, 0.04) == pytest.approx(0.1)
 
@@ -345,7 +345,7 @@ def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
     assert not is_new_clear(looks, None, PARAMETERS, SIZE, 1.0)
 
 
-def test_a_cable_of_the_usual_width_needs_what_the_parameter_says():
+def test_a_cable_of_the_usual_width_needs_the_evidence_of_the_parameter():
     assert needed_clearness(USUAL, PARAMETERS, 1.0) == PARAMETERS.evidence_to_find
     assert needed_clearness(2 * USUAL, PARAMETERS, 2.0) == PARAMETERS.evidence_to_find
 
@@ -407,7 +407,7 @@ def test_a_single_edge_is_no_cable(pose, is_in_view, scale):
         ((0.0, math.pi / 2, 3000.0, 0.0), False),
     ],
 )
-def test_borders_in_view_are_told_in_flat_pictures_too(pose, is_in_view, height):
+def test_borders_in_view_are_reported_in_flat_pictures_too(pose, is_in_view, height):
     state = CableState(*pose).to_array()
     assert are_borders_in_view(state, (1280, height)) == is_in_view
 

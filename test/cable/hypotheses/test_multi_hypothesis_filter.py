@@ -530,7 +530,7 @@ def borders_by_the_map(belief, strip):
     )
 
 
-def test_the_first_map_says_where_the_borders_are_later_ones_and_those_before_it_together(strip):
+def test_the_borders_of_the_first_map_are_taken_and_those_of_later_ones_averaged(strip):
     first = make_filter().step(belief_before(kept_map=NO_KEPT_MAP), strip, FRAME, NO_DETECTIONS)
     assert first.kept_map.borders == borders_by_the_map(first, strip)
     later = make_filter().step(belief_before(evidence=0.1), strip, FRAME, NO_DETECTIONS)

@@ -40,7 +40,7 @@ def shifts_of(before, after, pose=UPRIGHT, scale=1.0):
 
 
 @given(st.floats(-12.0, 12.0), st.floats(-12.0, 12.0))
-def test_the_shift_of_both_sides_is_told(right, up):
+def test_the_shift_of_both_sides_is_measured(right, up):
     told = shifts_of(ground(), ground(right, up))
     np.testing.assert_allclose(told, [[right, up]] * 2, atol=1.5)
 
@@ -67,7 +67,7 @@ def test_without_room_on_either_side_there_are_no_patches(pose):
     assert patches_beside(np.array(pose), ground(), 1.0) is None
 
 
-def test_at_the_edge_of_the_picture_the_ground_of_one_side_is_told():
+def test_at_the_edge_of_the_picture_the_shift_of_one_side_is_measured():
     told = shifts_of(ground(), ground(5.0, -3.0), pose=np.array([150.0, 0.0, 20.0, 0.0]))
     np.testing.assert_allclose(told, [[5.0, -3.0]], atol=1.5)
 
@@ -120,15 +120,15 @@ def test_a_strip_that_stands_still_while_the_ground_moves_across_it_is_a_fixture
     np.testing.assert_array_equal(dive((2.0, 3.0)).fixture, UPRIGHT)
 
 
-def test_a_strip_that_moves_with_the_ground_is_none():
+def test_a_strip_that_moves_with_the_ground_is_no_fixture():
     assert dive((2.0, 1.0), lambda frame: aside(2.0 * frame)).fixture is None
 
 
-def test_ground_that_moves_along_the_strip_tells_nothing():
+def test_ground_that_moves_along_the_strip_proves_no_fixture():
     assert dive((0.3, 4.0)).fixture is None
 
 
-def test_a_strip_that_goes_to_and_fro_while_the_ground_moves_one_way_is_none():
+def test_a_strip_that_goes_to_and_fro_while_the_ground_moves_one_way_is_no_fixture():
     """In perspective the ground may seem to move less than the strip when both go one way."""
     test = dive((2.0, 0.0), lambda frame: aside(8.0 * (frame // 4 % 2)))
     assert abs(test.strip) < STILL * abs(test.ground)
@@ -139,7 +139,7 @@ def test_a_strip_that_goes_to_and_fro_while_the_ground_moves_one_way_is_none():
 SKEWED = np.array([-110.0, 0.0, 100.0, 0.25, 0.0, 0.0, 0.0, 0.0])
 
 
-def test_ground_that_moves_along_a_strip_in_perspective_tells_nothing():
+def test_ground_that_moves_along_a_strip_in_perspective_proves_no_fixture():
     """It moves towards the point at which the borders meet, farther aside the more so."""
     meeting = np.array([-110.0, 50.0 / np.tan(0.25)])
     patch = np.array([-110.0 + 50.0 + 2.0 + 32.0, 0.0])
@@ -155,7 +155,7 @@ def test_a_skewed_strip_that_stands_still_while_the_ground_moves_across_it_is_a_
     np.testing.assert_array_equal(dive((2.0, 0.0), lambda frame: SKEWED).fixture, SKEWED)
 
 
-def test_ground_that_stands_still_tells_nothing():
+def test_ground_that_stands_still_proves_no_fixture():
     assert dive((0.0, 0.0)).fixture is None
 
 
@@ -166,7 +166,7 @@ def parted_ground(frame) -> np.ndarray:
     return picture
 
 
-def test_ground_that_goes_apart_to_both_sides_as_in_perspective_tells_nothing():
+def test_ground_that_parts_to_both_sides_proves_no_fixture():
     test = UNTESTED
     for frame in range(24):
         image = plain_image(parted_ground(frame))
@@ -176,7 +176,7 @@ def test_ground_that_goes_apart_to_both_sides_as_in_perspective_tells_nothing():
     assert test.fixture is None
 
 
-def test_a_strip_that_goes_one_way_while_the_ground_parts_and_back_with_it_is_none():
+def test_a_strip_that_goes_one_way_while_the_ground_parts_and_back_with_it_is_no_fixture():
     test = UNTESTED
     for frame in range(24):
         back = max(frame - 11, 0)
@@ -188,12 +188,12 @@ def test_a_strip_that_goes_one_way_while_the_ground_parts_and_back_with_it_is_no
     assert test.looks >= FEWEST_LOOKS
 
 
-def test_few_looks_suffice_for_nothing():
+def test_too_few_looks_prove_no_fixture():
     looks = 1 + round(FEWEST_LOOKS * LOOK_INTERVAL / FRAME)
     assert dive((6.0, 0.0), frames=looks - 1).fixture is None
 
 
-def test_a_hypothesis_that_does_not_go_on_is_looked_at_anew_each_time():
+def test_looks_at_a_hypothesis_that_does_not_go_on_are_not_counted_up():
     test = dive((2.0, 0.0), goes_on=False)
     assert test.looks == 0
     assert test.fixture is None

@@ -36,7 +36,7 @@ def test_ratios_are_positive_on_borders_and_negative_elsewhere(rng):
     assert np.abs(table.contrasts).max() <= RATIO_LIMIT
 
 
-def test_the_same_on_borders_and_elsewhere_says_nothing(rng):
+def test_equal_responses_on_borders_and_elsewhere_have_a_ratio_of_zero(rng):
     same = histograms(rng, 1.0)
     table = table_from_histograms([same] * CLASSES, same, "test")
     np.testing.assert_allclose(table.edges, 0.0, atol=1e-6)

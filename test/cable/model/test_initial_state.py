@@ -28,7 +28,7 @@ def parameters(**changes) -> TrackerParameters:
 
 
 @pytest.mark.parametrize("width", [320, 640])
-def test_a_random_start_fills_table_5_2_and_no_more(width, rng):
+def test_a_random_start_fills_exactly_the_ranges_of_table_5_2(width, rng):
     scale = width / 320
     states = random_states(parameters(), width, rng)
     assert states.shape == (COUNT, 8)
@@ -210,7 +210,7 @@ def test_a_list_of_sigmas_is_as_good_as_an_array():
 
 
 @pytest.mark.parametrize("huge", [1e100, 1e155, 1e300])
-def test_a_huge_sigma_says_that_nothing_is_known(huge, rng):
+def test_a_huge_sigma_means_an_unknown_component(huge, rng):
     given = GivenState(KNOWN, np.full(8, huge))
     assert np.isinf(given.sigma).all()
     assert not given.is_certain

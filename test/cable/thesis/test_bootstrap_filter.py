@@ -32,7 +32,7 @@ def strip(draw_strip):
 
 
 @pytest.mark.parametrize("observation", ["responses", "likelihood_ratio"])
-def test_a_cable_that_was_told_is_followed_and_speaks_for_itself(strip, observation):
+def test_a_given_cable_is_followed_as_the_only_hypothesis(strip, observation):
     cable_filter = make_filter(observation=observation)
     belief = cable_filter.given_belief(cloud())
     for _ in range(5):

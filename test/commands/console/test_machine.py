@@ -20,7 +20,7 @@ def test_the_machine_is_one_line():
     assert "Python 3" in text
 
 
-def test_a_report_says_with_what_command_and_where_it_was_made(monkeypatch):
+def test_a_report_names_its_command_and_machine(monkeypatch):
     monkeypatch.setattr("sys.argv", ["/x/y/cli.py", "evaluate"])
     note = origin_note()
     assert note.startswith("`cable-tracker evaluate` on 2")

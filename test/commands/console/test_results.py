@@ -13,7 +13,7 @@ STALE = EstimateRow(0, 0, "TRACKING", state=STATE, no_metres="stale altitude: of
 LOST = EstimateRow(0, 0, "LOST", no_metres="no cable is claimed: LOST")
 
 
-def test_why_frames_were_refused_is_told_once():
+def test_each_reason_for_refused_frames_is_printed_once():
     refused = [EstimateRow(k, 0, "REFUSED", event=f"reason {k}") for k in (3, 4)]
     assert event_notes([LOST, *refused]) == ["2 of 3 frames refused; the first, frame 3: reason 3"]
     assert event_notes([LOST, KNOWN]) == []
@@ -30,7 +30,7 @@ def test_claims_in_metres_are_counted():
     assert metres_note([LOST, KNOWN, KNOWN]) == "metres for 2 of 2 claims"
 
 
-def test_the_one_reason_for_no_metres_is_told():
+def test_the_reason_for_missing_metres_is_printed():
     assert metres_note([LOST, NO_ALTITUDE, NO_ALTITUDE]) == "no metres: no altitude (2 claims)"
 
 
@@ -40,7 +40,7 @@ def test_each_reason_for_missing_metres_is_counted():
     )
 
 
-def test_without_a_claim_there_is_nothing_to_tell():
+def test_without_a_claim_there_is_no_note_on_metres():
     assert metres_note([LOST]) == ""
 
 

@@ -75,7 +75,7 @@ except Stopped:
     assert ended.returncode == 0
 
 
-def test_an_object_interrupted_in_its_construction_says_nothing():
+def test_an_object_interrupted_in_its_construction_prints_nothing():
     code = """
 class HalfMade:
     def __init__(self):

@@ -89,7 +89,7 @@ def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
     )
 
 
-def test_without_ros_it_says_how_to_get_it(run, tmp_path, monkeypatch):
+def test_without_ros_the_bench_names_the_way_to_get_it(run, tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "cable_tracker.ros.rigs.node_latency", raising=False)
     monkeypatch.setitem(sys.modules, "rclpy", None)
     run("--dds").assert_refused("pip install '.[ros]'")

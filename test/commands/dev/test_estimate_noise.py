@@ -32,7 +32,7 @@ def test_the_variances_of_a_labelled_sequence_are_printed(run, labels):
     assert all(unit in result.out for unit in ("w [px²]", "beta [deg²]", "alpha [deg²]"))
 
 
-def test_a_recording_without_labels_says_what_to_do(run, labels):
+def test_a_recording_without_labels_is_refused_with_a_remedy(run, labels):
     pictures = next(path.parent for path in labels.parent.rglob("*.png"))
     code, _, told = run(pictures)
     assert code == 2

@@ -33,7 +33,7 @@ def test_an_experiment_writes_table_and_figure(run, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["my_depths.csv", "photo.png", "notes.txt"])
-def test_files_of_the_users_beside_an_experiment_are_not_lost(run, tmp_path, name):
+def test_user_files_beside_an_experiment_are_not_lost(run, tmp_path, name):
     (tmp_path / "out").mkdir()
     (tmp_path / "out/table.md").touch()
     (tmp_path / "out" / name).write_text("mine")

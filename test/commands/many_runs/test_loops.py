@@ -16,7 +16,7 @@ SHORT = ("--length=1", "--buried=0", "--size=160x120", "--no-video")
 
 
 @pytest.mark.slow
-def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
+def test_a_failed_run_has_its_reason_and_does_not_end_the_others(tmp_path):
     done: list[bool] = []
     tasks = [LoopTask("hough", seed, SHORT) for seed in (-1, 5)]
     bad, good = run_loops(

@@ -26,14 +26,14 @@ def test_pages_that_would_not_be_served_are_refused(workers, scheduler):
         chosen_cluster(workers, scheduler, MEMORY, True)
 
 
-def test_the_address_of_the_pages_is_said_when_it_is_known(capsys):
+def test_the_address_of_the_pages_is_printed_when_it_is_known(capsys):
     settings = chosen_cluster(2, None, MEMORY, True)
     assert capsys.readouterr().err == ""
     settings.on_dashboard("http://127.0.0.1:8787/status")
     assert capsys.readouterr().err == "Dask's pages: http://127.0.0.1:8787/status\n"
 
 
-def test_workers_in_other_folders_are_told_the_whole_paths(tmp_path, monkeypatch):
+def test_workers_in_other_folders_get_absolute_paths(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     parameters = preset("default").replaced({"response_table": "mine/table.json"})
     assert with_whole_paths(parameters).response_table == str(tmp_path / "mine/table.json")

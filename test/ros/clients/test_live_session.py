@@ -128,7 +128,7 @@ def test_parameters_are_read_and_changed(world, session, found):
     assert found.tracker.parameters.particle_count == 77
 
 
-def test_a_refusal_says_why_and_changes_nothing(world, session, found):
+def test_a_refusal_has_its_reason_and_changes_nothing(world, session, found):
     asked = Asked(world, lambda: session.change({"width_minimum": 150.0, "width_maximum": 100.0}))
     assert isinstance(asked.error, ParameterError)
     assert "width_minimum" in str(asked.error)

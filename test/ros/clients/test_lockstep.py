@@ -30,7 +30,7 @@ def test_a_replay_that_ends_otherwise_is_an_error_with_its_last_words(code, dama
         _finish(ended(code), damage)
 
 
-def test_a_replay_that_does_not_end_is_said_not_to():
+def test_a_replay_that_does_not_end_is_an_error():
     with pytest.raises(RosError, match="has not ended for 120 s after all frames"):
         _finish(ended(None), None)
 

@@ -16,7 +16,7 @@ def says(health: TrackerHealth, **words: str) -> None:
     health.take(DiagnosticArray(status=entries))
 
 
-def test_a_tracker_is_warm_when_it_says_so() -> None:
+def test_a_tracker_is_warm_when_its_diagnostics_say_so() -> None:
     health = TrackerHealth()
     assert not health.is_warm()
     says(health, port=WARMING_UP)
@@ -52,7 +52,7 @@ def test_the_latest_status_of_a_tracker_is_known_with_its_age() -> None:
     assert 0.0 <= health.age("port") < 300.0
 
 
-def test_a_controller_says_nothing_of_its_tracker() -> None:
+def test_diagnostics_of_a_controller_are_not_those_of_its_tracker() -> None:
     health = TrackerHealth()
     says(health, port=WARMING_UP)
     mode = DiagnosticStatus(name="/x/controller: guidance", hardware_id="port", message="WAITING")

@@ -80,7 +80,7 @@ def test_a_reader_that_asks_for_a_deadline_is_named(
     world.spin(lambda: words in told(diagnostics, node).get("QoS mismatch", ""))
 
 
-def test_a_topic_of_another_type_is_told_when_nothing_comes(
+def test_a_topic_of_another_type_is_reported_when_no_message_comes(
     world: Any, namespace: str, domain: int, capfd: pytest.CaptureFixture[str]
 ) -> None:
     other = Context()

@@ -40,7 +40,7 @@ def test_the_numbers_between_are_missing() -> None:
     assert missing([7, 8, 9, 12, 13, 100]) == [0, 0, 0, 2, 0, 86]
 
 
-def test_a_publisher_that_begins_anew_has_lost_nothing() -> None:
+def test_a_restarted_publisher_has_lost_no_message() -> None:
     assert missing([7, 8, 1, 2, 5]) == [0, 0, 0, 0, 2]
 
 

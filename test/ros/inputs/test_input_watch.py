@@ -56,7 +56,7 @@ def test_colour_pictures_are_watched_too() -> None:
     assert not watched.is_frozen(other, 5 * SECOND)
 
 
-def test_a_timeout_of_zero_never_freezes_and_the_time_is_measured_all_the_same() -> None:
+def test_a_timeout_of_zero_never_freezes_but_measures_the_time() -> None:
     watched, picture = watch(frozen_timeout=0.0), np.zeros((20, 30), np.uint8)
     assert not any(watched.is_frozen(picture, index * SECOND) for index in range(9))
     assert watched.picture is picture

@@ -114,7 +114,7 @@ def test_a_calibrated_camera_and_an_altitude_give_metres(
     ("parameters", "is_told"),
     [({}, True), ({"camera_z": -0.1}, False), ({"camera_pitch": 90.0}, False)],
 )
-def test_a_mounting_that_was_not_given_is_told_once_with_the_first_metres(
+def test_a_missing_mounting_is_reported_once_with_the_first_metres(
     start: Callable[..., Any],
     capfd: pytest.CaptureFixture[str],
     parameters: dict[str, float],
@@ -169,7 +169,7 @@ def test_bad_input_gives_no_metres_and_the_diagnostics_name_it(
     assert said(node, "no metres").startswith(words)
 
 
-def test_an_altimeter_that_falls_silent_is_told_where_a_fixed_altitude_stands_in(
+def test_an_altimeter_that_a_fixed_altitude_replaces_is_reported(
     start: Callable[..., Any], said: Callable[..., str]
 ) -> None:
     node, vehicle = start(fixed_altitude=ALTITUDE, instrument_timeout=0.01)
@@ -224,7 +224,7 @@ def test_odometry_reaches_the_filter(start: Callable[..., Any], said: Callable[.
     assert said(node, "no motion aid") == ""
 
 
-def test_odometry_that_disagrees_is_told(
+def test_odometry_that_disagrees_is_reported(
     start: Callable[..., Any],
     said: Callable[..., str],
     world: Any,

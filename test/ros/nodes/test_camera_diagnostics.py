@@ -58,7 +58,7 @@ def test_two_cameras_on_one_topic_are_named(
     assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
 
 
-def test_images_of_the_other_type_are_told_and_are_no_second_camera(
+def test_images_of_the_other_type_are_reported_and_are_no_second_camera(
     world: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node = world.tracker(diagnostics_period=3600.0)
@@ -81,9 +81,7 @@ def endpoint(kind: str) -> SimpleNamespace:
     )
 
 
-def test_a_camera_that_was_killed_and_started_anew_is_one(
-    world: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_restarted_camera_counts_as_one(world: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     node = world.tracker(diagnostics_period=3600.0)
     for _ in range(2):
         camera = world.add(Node("camera", context=world.context, namespace=world.namespace))

@@ -84,7 +84,7 @@ class TestOneStamp:
 
 
 class TestStatus:
-    def test_every_change_of_status_is_told_at_once(
+    def test_every_change_of_status_is_published_at_once(
         self,
         world: Any,
         near: str,
@@ -115,7 +115,7 @@ class TestStatus:
         assert node.status == "INITIALISING"
         world.spin(lambda: diagnostics(node)[-1][0] == "INITIALISING")
 
-    def test_the_first_frame_after_a_silence_tells_its_own_status_alone(
+    def test_the_first_frame_after_a_silence_publishes_only_its_own_status(
         self,
         world: Any,
         near: str,
@@ -184,7 +184,7 @@ class TestStamps:
         assert node.status == "TRACKING"
 
     @pytest.mark.parametrize("back", [0.3, 7.0, 3600.0, 1.6e9])
-    def test_a_jump_back_starts_anew_and_is_named(
+    def test_a_jump_back_restarts_tracking_and_is_named(
         self, world: Any, near: str, feed: Make, back: float
     ) -> None:
         node = world.tracker(initial_state=near)
@@ -195,7 +195,7 @@ class TestStamps:
         assert node.statistics.tracked == 7
 
     @pytest.mark.parametrize("forward", [5.5, 7200.0, 1e9 - 1])
-    def test_a_jump_far_ahead_starts_anew_and_is_named(
+    def test_a_jump_far_ahead_restarts_tracking_and_is_named(
         self, world: Any, near: str, feed: Make, forward: float
     ) -> None:
         node = world.tracker(initial_state=near, maximum_gap=5.0)
@@ -519,7 +519,7 @@ class TestWarmUp:
         world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/image") == 1)
         assert node.status == "INITIALISING"
 
-    def test_a_change_that_needs_other_code_is_told_and_keeps_the_estimate(
+    def test_a_change_that_needs_a_compilation_is_reported_and_keeps_the_estimate(
         self, world: Any, near: str, feed: Make, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         node = world.tracker(initial_state=near)

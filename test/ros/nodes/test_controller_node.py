@@ -178,7 +178,7 @@ def test_a_state_waits_for_its_cross_track_and_odometry(world, tracker):
     world.spin(lambda: tracker.commands)
 
 
-def test_in_lockstep_the_report_says_whether_a_cross_track_comes(world, tracker):
+def test_in_lockstep_the_report_announces_whether_a_cross_track_comes(world, tracker):
     world.controller(lockstep=True, settle_time=60.0)
     tracker.is_heard()
     for facts in ({"no_metres": "no camera calibration"}, {"offset": "0.1"}):
@@ -197,7 +197,7 @@ def test_in_lockstep_the_report_says_whether_a_cross_track_comes(world, tracker)
         world.spin(lambda count=count: len(tracker.commands) > count, 30.0)
 
 
-def test_a_cross_track_is_not_waited_for_for_ever(world, tracker):
+def test_waiting_for_a_cross_track_has_a_time_limit(world, tracker):
     world.controller(settle_time=0.1, state_timeout=60.0)
     tracker.is_heard()
     tracker.next_frame()
@@ -331,14 +331,14 @@ def test_a_state_of_such_a_time_is_silence_for_a_vehicle_that_moves(world, track
     assert tracker.commands[-1] == Twist()
 
 
-def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):
+def test_a_change_of_mode_is_in_the_diagnostics(world, tracker, diagnostics):
     node = world.controller(**PATIENT)
     tracker.is_heard()
     tracker.tells(0.0)
     world.spin(lambda: [words for words, _ in diagnostics(node)] == ["WAITING", "FOLLOWING"])
 
 
-def test_a_tracker_that_falls_silent_is_told_in_diagnostics(world, tracker, diagnostics):
+def test_a_tracker_that_falls_silent_is_in_the_diagnostics(world, tracker, diagnostics):
     node = world.controller(settle_time=60.0, state_timeout=0.3)
     tracker.is_heard()
     tracker.tells(0.0, frames=CONFIRMATIONS + 1)
@@ -348,7 +348,7 @@ def test_a_tracker_that_falls_silent_is_told_in_diagnostics(world, tracker, diag
     world.spin(lambda: [words for words, _ in diagnostics(node)][count:][:1] == ["FOLLOWING"])
 
 
-def test_silence_and_a_tracker_that_does_not_look_are_each_told(world, tracker, diagnostics):
+def test_silence_and_a_disabled_tracker_are_both_in_the_diagnostics(world, tracker, diagnostics):
     node = world.controller(settle_time=60.0, state_timeout=0.3)
     tracker.is_heard()
     world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
@@ -446,7 +446,7 @@ def test_odometry_without_a_stamp_is_of_the_time_when_it_came(world):
 
 
 @pytest.mark.usefixtures("ros_environment")
-def test_a_controller_whose_context_is_gone_ends_all_the_same():
+def test_a_controller_without_its_context_ends_without_an_error():
     context = started_context([])
     node = ControllerNode(context=context)
     node._last_command = Command(surge=0.3)

@@ -146,11 +146,11 @@ class TestBadSources:
             world.replay()
 
     @pytest.mark.parametrize("name", ["", "dive.mcap", "dive.mp4", "folder"])
-    def test_a_missing_recording_is_told(self, world: Any, tmp_path: Path, name: str) -> None:
+    def test_a_missing_recording_is_refused(self, world: Any, tmp_path: Path, name: str) -> None:
         with pytest.raises(RecordingError, match=r"there is no such file|the folder is empty"):
             world.replay(source=str(tmp_path / name) if name else str(tmp_path))
 
-    def test_an_unknown_topic_is_told(self, world: Any, make_dive: Dive) -> None:
+    def test_an_unknown_topic_is_refused(self, world: Any, make_dive: Dive) -> None:
         with pytest.raises(RecordingError, match="/other"):
             world.replay(source=str(make_dive(1)), topic="/other")
 
@@ -186,7 +186,7 @@ class TestBadSources:
         world.ends_with(node, RecordingError, "frame 2 cannot be decoded")
         assert node.sent == 2
 
-    def test_why_an_image_is_sent_empty_is_told(
+    def test_the_reason_for_an_empty_image_is_logged(
         self, world: Any, tmp_path: Path, capfd: pytest.CaptureFixture[str]
     ) -> None:
         (tmp_path / "0.png").write_bytes(b"no picture")
@@ -375,7 +375,7 @@ class TestTiming:
         assert f"no node subscribes to {world.namespace}/image" in "".join(said)
         assert node.sent == 0
 
-    def test_played_to_no_subscriber_it_says_so(
+    def test_a_replay_without_a_subscriber_is_logged(
         self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
     ) -> None:
         node = world.replay(source=str(make_dive(2)), rate=100, wait_for_tracker=False)
@@ -485,7 +485,7 @@ class TestServices:
         play_to_the_end(world, node, heard)
         assert indices_of(heard) == [0, 1, 0, 1]
 
-    def test_a_replay_that_is_paused_before_a_damage_tells_of_it_when_it_is_asked(
+    def test_a_replay_paused_before_the_damage_reports_it_at_the_next_step(
         self, world: Any, bag_with_a_bad_frame: Path
     ) -> None:
         heard = world.listen(Image, "image")
@@ -527,7 +527,7 @@ class TestServices:
         node.set_parameters([Parameter("start", value=0.0)])
         assert world.call(Trigger, "replay/restart").success
 
-    def test_a_restart_goes_past_a_bad_frame_and_tells_of_one_that_it_meets(
+    def test_a_restart_skips_bad_frames_before_its_start_and_reports_one_at_it(
         self, world: Any, bag_with_a_bad_frame: Path
     ) -> None:
         node = world.replay(source=str(bag_with_a_bad_frame), paused=True)
@@ -747,7 +747,7 @@ class TestInstruments:
         ]
         assert sent == stored[: len(sent)]
 
-    def test_without_tf2_msgs_it_is_told_that_no_tracker_needs_it(
+    def test_without_tf2_msgs_a_note_says_that_no_tracker_needs_it(
         self,
         world: Any,
         bag: Path,
@@ -785,7 +785,7 @@ class TestInstruments:
         play_to_the_end(world, node, images)
         assert not heard
 
-    def test_a_topic_that_is_not_there_is_told(self, world: Any, bag: Path) -> None:
+    def test_a_missing_topic_of_an_instrument_is_refused(self, world: Any, bag: Path) -> None:
         with pytest.raises(RecordingError, match="there is no topic /other"):
             world.replay(source=str(bag), imu_topic="/other")
 

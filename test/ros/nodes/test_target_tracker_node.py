@@ -245,7 +245,7 @@ class TestMarks:
             show(node, index)
         assert node.status == status
 
-    def test_a_target_that_does_not_stand_out_is_told_and_not_claimed(
+    def test_a_target_that_does_not_stand_out_is_reported_and_not_claimed(
         self, world: Any, show: Callable[..., None], said: Callable[..., str]
     ) -> None:
         node = world.target_tracker(initial_target="20,20,60,60")
@@ -263,7 +263,7 @@ class TestMarks:
         assert node.status == "TRACKING"
 
     @pytest.mark.parametrize("text", ["here", "1,2,3", "10,10,10,50", "1,1,50,50;2,2,60,60"])
-    def test_a_start_that_says_nothing_is_refused_at_once(self, world: Any, text: str) -> None:
+    def test_an_empty_start_is_refused_at_once(self, world: Any, text: str) -> None:
         with pytest.raises(ParameterError, match="initial_target"):
             world.target_tracker(initial_target=text)
 
@@ -329,7 +329,7 @@ class TestFrames:
         show(node, 5)
         assert node.status == "TRACKING"
 
-    def test_frames_of_another_size_start_anew(
+    def test_frames_of_another_size_restart_tracking(
         self, world: Any, follow: Callable[..., list[Any]], show: Callable[..., None]
     ) -> None:
         node = world.target_tracker(initial_target=BOX)
@@ -370,7 +370,7 @@ class TestMetres:
         assert abs(place.y) < 0.05
         assert poses[-1].header.frame_id == "base_link"
 
-    def test_without_a_calibration_it_says_why_there_are_no_metres(
+    def test_without_a_calibration_the_reason_for_missing_metres_is_reported(
         self, world: Any, follow: Callable[..., list[Any]], said: Callable[..., str]
     ) -> None:
         node = world.target_tracker(initial_target=BOX)
@@ -398,7 +398,7 @@ class TestMetres:
         rates = node.group.trackers[0].particles.states[:, 4]
         assert abs(np.median(rates)) < 0.3 * shift / 0.04
 
-    def test_an_imu_that_says_what_no_vehicle_does_moves_nothing(
+    def test_an_implausible_imu_moves_no_particle(
         self, world: Any, show: Callable[..., None], header: Callable[..., Any]
     ) -> None:
         node = world.target_tracker(initial_target="78,106,123,135")

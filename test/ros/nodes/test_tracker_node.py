@@ -313,7 +313,7 @@ class TestTopics:
         assert raw[0].header == compressed[0].header == image_message().header
         assert bytes(compressed[0].data[:2]) == b"\xff\xd8"
 
-    def test_a_change_of_the_image_size_starts_anew_and_says_so(
+    def test_a_change_of_the_image_size_restarts_tracking_and_is_reported(
         self,
         world: Any,
         strip: Callable[..., np.ndarray],

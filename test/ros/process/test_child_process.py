@@ -55,7 +55,7 @@ def test_the_last_words_of_a_node_that_has_died_can_be_read(
         assert replay.last_line() == "error: there is no such file"
 
 
-def test_a_node_that_printed_nothing_says_so(process: Callable[..., NodeProcess]) -> None:
+def test_a_node_without_output_is_reported_as_such(process: Callable[..., NodeProcess]) -> None:
     with process("tracker") as tracker:
         assert tracker.last_line() == "it printed nothing"
 

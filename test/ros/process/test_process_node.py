@@ -156,7 +156,7 @@ class TestExitCodes:
         assert len(lines) == 1
         assert lines[0].startswith("error: ") and name in lines[0]
 
-    def test_a_bad_parameter_file_is_told_without_a_traceback(
+    def test_a_bad_parameter_file_is_reported_without_a_traceback(
         self, run_here: Callable[..., tuple[int, str]]
     ) -> None:
         code, errors = run_here("tracker", "-p", "particle_count:=[1.0, 2]")
@@ -164,7 +164,7 @@ class TestExitCodes:
         assert "error: ROS does not start; look at the --ros-args" in errors
         assert "Traceback" not in errors
 
-    def test_for_a_plain_parameter_file_it_is_told_how_a_node_wants_it(
+    def test_a_plain_parameter_file_is_refused_with_the_form_for_nodes(
         self, run_here: Callable[..., tuple[int, str]], tmp_path: Path
     ) -> None:
         file = tmp_path / "vehicle.yaml"

@@ -35,7 +35,7 @@ def test_a_node_that_cannot_be_made_leaves_no_context_behind() -> None:
     assert not contexts[0].ok()
 
 
-def test_ros_that_does_not_start_is_told_as_an_error_of_ours(
+def test_ros_that_does_not_start_is_an_error_of_ours(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def fail(*words: Any, **named: Any) -> None:

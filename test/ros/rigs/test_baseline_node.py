@@ -19,7 +19,7 @@ FRAMES = 6
 
 
 @pytest.mark.parametrize("method", BASELINES)
-def test_a_node_publishes_what_its_method_says(
+def test_a_baseline_publishes_the_estimate_of_its_method(
     world: Any,
     image_message: Callable[..., Any],
     strip: Callable[..., np.ndarray],

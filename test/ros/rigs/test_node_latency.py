@@ -41,7 +41,7 @@ def test_a_few_frames_through_both_nodes_and_through_none(
 
 
 @pytest.mark.slow
-def test_a_node_that_dies_ends_it_with_what_it_said(
+def test_a_node_that_dies_ends_the_measurement_with_its_output(
     shown: Footage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(node_latency, "format_initial_state", lambda state: "nonsense")

@@ -102,7 +102,7 @@ def test_a_ros2_bag_may_be_called_like_a_ros1_bag(make_bag, picture, state, firs
 
 @pytest.mark.parametrize("compressed_images", [False, True])
 @pytest.mark.parametrize("from_ros1", [False, True])
-def test_pictures_of_another_type_under_the_same_name_are_told(
+def test_pictures_of_another_type_under_the_same_name_are_reported(
     make_bag, make_ros1_bag, *, compressed_images, from_ros1
 ):
     make = make_ros1_bag if from_ros1 else make_bag
@@ -118,7 +118,7 @@ def test_pictures_of_another_type_under_the_same_name_are_told(
     assert [frame.image.missing for frame in frames] == ["", reason] * 5
 
 
-def test_the_source_says_what_it_holds(make_bag):
+def test_a_bag_describes_its_content(make_bag):
     source = open_source(make_bag(frames=20))
     assert source.frame_count == 20
     assert source.has_truth
@@ -133,7 +133,7 @@ def test_frames_hold_the_pixels_as_recorded(make_bag):
     assert isinstance(read(make_bag("c", compressed_images=True))[0].image, CompressedImage)
 
 
-def test_frames_begin_anew_each_time(make_bag):
+def test_every_pass_over_the_frames_begins_at_the_first(make_bag):
     with open_source(make_bag()) as source:
         first = source.frames()
         next(first)
@@ -190,7 +190,7 @@ def test_several_image_topics_need_a_choice(make_bag):
         open_source(make_bag(topics=("/left/image", "/right/image")))
 
 
-def test_a_bag_without_images_says_what_there_is(make_bag):
+def test_a_bag_without_images_is_refused_with_its_topics(make_bag):
     with pytest.raises(RecordingError, match=r"holds no images .*/chatter \(std_msgs/msg/String"):
         open_source(make_bag(topics=()))
 
@@ -378,7 +378,7 @@ def half_labelled(request, tmp_path, maker, picture, state, first_stamp):
     return path
 
 
-def test_a_label_that_cannot_be_read_is_left_out_and_said(half_labelled, state):
+def test_an_unreadable_label_is_left_out_with_a_note(half_labelled, state):
     with open_source(half_labelled) as source:
         assert "/ground_truth: 1 of its messages cannot be read and are left out" in source.note
         assert [frame.truth for frame in source.frames()] == [state(0), None]

@@ -53,7 +53,7 @@ def test_messages_closer_than_the_given_interval_are_skipped(bag):
     assert len(list(source.messages({Instrument.IMU: 11}))) == 3
 
 
-def test_messages_that_cannot_be_read_are_left_out_and_said_once_for_each_topic(tmp_path):
+def test_unreadable_messages_are_left_out_with_one_note_per_topic(tmp_path):
     path = tmp_path / "dive"
     with BagWriter(path) as writer:
         message = make_range(FACTORY, make_header(FACTORY, 10, "altimeter"), 2.0)

@@ -43,7 +43,7 @@ def test_the_user_chooses_among_several():
     assert found.topics == {Instrument.ALTITUDE: "/starboard"} and not found.notes
 
 
-def test_the_user_may_leave_one_out():
+def test_an_instrument_can_be_left_out():
     assert not find(topics_of(port=RANGE), altitude=NO_TOPIC).topics
 
 
@@ -83,7 +83,7 @@ def test_a_ground_truth_topic_is_no_instrument():
     assert not find(topics_of(ground_truth__odometry=ODOMETRY)).topics
 
 
-def test_a_topic_that_is_not_there_is_said_with_those_that_are():
+def test_a_missing_topic_is_refused_with_the_existing_ones():
     with pytest.raises(RecordingError, match=r"no topic below for altitude; choose one of /port"):
         find(topics_of(port=RANGE), altitude="below")
 
@@ -93,7 +93,7 @@ def test_a_topic_of_another_type_is_refused():
         find(topics_of(odom=ODOMETRY), altitude="odom")
 
 
-def test_a_plain_number_is_an_altitude_if_the_user_says_so():
+def test_a_topic_of_plain_numbers_is_an_altitude_only_on_request():
     listed = topics_of(height="std_msgs/msg/Float32")
     assert not find(listed).topics
     assert find(listed, altitude="height").topics == {Instrument.ALTITUDE: "/height"}

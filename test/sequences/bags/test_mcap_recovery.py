@@ -183,7 +183,7 @@ def test_an_mcap_that_does_not_say_what_it_holds_is_not_damaged(make_mcap):
         assert "does not say that it is" in source.note
 
 
-def test_damage_beside_other_messages_is_told(make_mcap):
+def test_damage_beside_other_messages_is_reported(make_mcap):
     path = make_mcap(beside=[("jsonschema", "json")])
     content = bytearray(path.read_bytes())
     middle = len(content) // 2

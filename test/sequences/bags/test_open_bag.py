@@ -203,7 +203,7 @@ def test_a_file_that_was_still_being_compressed_is_read_itself(crashed):
     assert images(crashed)[1] == 15
 
 
-def test_damage_of_a_compressed_file_is_told_after_what_can_be_read(crashed):
+def test_damage_of_a_compressed_file_is_reported_after_the_readable_frames(crashed):
     packed = bytearray((crashed / "dive_10.mcap.zstd").read_bytes())
     (crashed / "dive_10.mcap.zstd").write_bytes(packed[: len(packed) // 2])
     note, count = images(crashed)

@@ -248,7 +248,7 @@ def test_a_frame_beyond_the_end_of_the_video_is_damage(write, make_video):
         next(frames)
 
 
-def test_a_frame_of_a_video_that_cannot_be_decoded_is_told_as_that(write, make_video):
+def test_a_bad_frame_of_a_video_is_reported_by_its_number_there(write, make_video):
     path = make_video("dive.avi")
     with av.open(str(path)) as container:
         packets = [(packet.pos, packet.size) for packet in container.demux(video=0)]

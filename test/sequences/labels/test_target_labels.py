@@ -68,7 +68,7 @@ def test_pictures_are_written_with_their_boxes(tmp_path):
 
 
 @pytest.mark.parametrize("storage", list(StorageFormat))
-def test_a_bag_says_by_time_where_the_target_is(tmp_path, storage):
+def test_labels_of_a_bag_are_matched_by_time(tmp_path, storage):
     assert write_target_bag(tmp_path / "dive", labelled(), storage=storage) == 3
     assert found_in(tmp_path / "dive") == [(True, box) for box in BOXES]
 
@@ -102,7 +102,7 @@ def test_a_bad_label_file_is_refused_with_the_reason(tmp_path, line, words):
         found_in(tmp_path)
 
 
-def test_without_boxes_it_is_said_how_to_give_them(tmp_path):
+def test_missing_boxes_are_refused_with_the_way_to_give_them(tmp_path):
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
     with pytest.raises(RecordingError, match="--truth"):
         found_in(tmp_path)

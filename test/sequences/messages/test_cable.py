@@ -280,7 +280,7 @@ def test_markers_show_borders_and_centreline_in_metres(sent):
     assert [p.x for p in borders.points] == pytest.approx([0.0, 0.0, 0.4, 0.4])
 
 
-def test_without_a_cable_the_markers_of_before_are_deleted():
+def test_without_a_cable_earlier_markers_are_deleted():
     markers = make_markers(FACTORY, HEADER, None, SIZE).markers
     assert [m.ns for m in markers] == ["", "image"]
 

@@ -14,7 +14,7 @@ from cable_tracker.sequences.messages.line_markers import (
 )
 
 
-def test_lines_are_numbered_after_those_of_before_are_deleted(sent):
+def test_earlier_lines_are_deleted_and_new_ones_numbered(sent):
     drawn = [
         Lines("frame", np.array([[0.0, 0.0], [100.0, -50.0]]), GREY),
         Lines("none", np.empty((0, 2)), AMBER),

@@ -64,7 +64,7 @@ def test_without_a_claim_there_are_no_numbers(sent, estimate):
     assert len(message.position) == len(message.velocity) == len(message.effort) == 0
 
 
-def test_a_report_says_what_is_claimed_only_with_a_claim():
+def test_a_report_describes_the_target_only_with_a_claim():
     claimed, lost = (target_report_values(each, 1.5, 0) for each in (ESTIMATE, LOST))
     assert (claimed["box"], claimed["corners"]) == ("150.0 100.0 190.0 140.0", "3")
     assert lost["box"] == lost["area"] == lost["scale"] == lost["corners"] == ""
@@ -88,7 +88,7 @@ def test_particles_are_kept_with_their_scale(sent):
     assert found.tolist() == [[1.0, 2.0, 2.0, 0.5, 3.0, 4.0, 1.0]]
 
 
-def test_a_cloud_without_particles_is_none(sent):
+def test_an_empty_cloud_has_no_particles(sent):
     columns = len(TARGET_CLOUD_COLUMNS)
     message = make_point_cloud(FACTORY, HEADER, TARGET_CLOUD_COLUMNS, np.empty((0, columns)))
     assert read_target_particles(sent(message)) is None
@@ -115,7 +115,7 @@ def test_without_a_contour_there_is_its_box():
     assert [marker.ns for marker in markers] == ["", "image", "box"]
 
 
-def test_without_a_claim_the_markers_of_before_are_deleted():
+def test_without_a_claim_earlier_markers_are_deleted():
     lost = estimate(TrackingStatus.LOST, np.empty((0, 2)))
     markers = make_target_markers(FACTORY, HEADER, lost).markers
     assert [marker.ns for marker in markers] == ["", "image"]

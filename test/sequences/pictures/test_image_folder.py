@@ -40,7 +40,7 @@ def test_the_rate_gives_the_time(folder):
     assert source.frame_count == 12
 
 
-def test_missing_numbers_are_said_and_the_time_is_kept(folder):
+def test_missing_numbers_are_noted_and_the_times_kept(folder):
     for index in (4, 5, 9):
         (folder / f"img_{index}.png").unlink()
     source = open_source(folder, rate=10.0)
@@ -89,7 +89,7 @@ def pnm(kind: int, white: int, levels: np.ndarray) -> bytes:
 
 @pytest.mark.parametrize("kind", [2, 3, 5, 6])
 @pytest.mark.parametrize("white", [15, 100, 255, 1023, 4095, 65535])
-def test_white_of_a_pnm_is_what_it_says(tmp_path, kind, white):
+def test_white_of_a_pnm_is_that_of_its_header(tmp_path, kind, white):
     shares = np.linspace(0.0, 1.0, 16).reshape(2, 8)
     levels = np.rint(shares * white).astype(int)
     if kind in (3, 6):

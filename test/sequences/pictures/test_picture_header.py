@@ -49,7 +49,7 @@ def test_tiffs_of_either_byte_order_are_read(order):
     assert (header.width, header.height) == (5, 7)
 
 
-def test_a_tiff_that_says_two_sizes_is_refused():
+def test_a_tiff_with_two_sizes_is_refused():
     data = tiff_file("<", (256, 4, 1, 1_000_000), WIDTH, HEIGHT, GREY)
     with pytest.raises(FrameError, match="header of the TIFF"):
         read_picture_header(memoryview(data))
@@ -116,7 +116,7 @@ def test_no_bytes_are_no_picture():
         read_picture_header(memoryview(b""))
 
 
-def test_rubbish_is_told_with_all_the_kinds_that_may_come_here():
+def test_unknown_data_is_refused_with_the_known_kinds():
     rubbish = memoryview(b"\0" + picture_file(".bmp"))
     with pytest.raises(FrameError, match="neither JPEG, PNG, BMP, TIFF nor PNM by its first bytes"):
         read_picture_header(rubbish)

@@ -67,7 +67,7 @@ def test_rows_are_read_as_they_were_written(tmp_path, rows):
     assert read_estimates(tmp_path / "e.csv") == rows
 
 
-def test_the_file_looks_as_the_design_says(tmp_path):
+def test_the_file_has_the_designed_format(tmp_path):
     lost = EstimateRow(8, 40_000_000, "LOST", n_eff=3.0, evidence=0.5, hypotheses=0)
     write_estimates(tmp_path / "e.csv", [ROW, lost])
     assert (tmp_path / "e.csv").read_text().splitlines() == [

@@ -57,7 +57,7 @@ def test_more_rows_take_no_more_memory_and_leave_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_disk_that_does_not_take_rows_is_told_in_words(tmp_path):
+def test_a_disk_that_does_not_take_rows_is_reported(tmp_path):
     rows = StoredRows(tmp_path / "none", 1)
     with pytest.raises(OutputError, match="none"):
         rows.append(1)

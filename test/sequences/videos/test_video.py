@@ -36,7 +36,7 @@ def test_frames_are_colour(make_video):
     assert (image.encoding, image.width, image.height) == ("bgr8", 64, 48)
 
 
-def test_the_source_says_what_it_holds(make_video):
+def test_a_video_describes_its_content(make_video):
     source = open_source(make_video(rate=30.0))
     assert source.frame_count == 10
     assert not source.has_truth
@@ -47,7 +47,7 @@ def test_a_container_without_frame_count_does_not_promise_any(make_video):
     assert open_source(make_video("dive.webm")).frame_count is None
 
 
-def test_frames_begin_anew_each_time(make_video):
+def test_every_pass_over_the_frames_begins_at_the_first(make_video):
     source = open_source(make_video())
     with source:
         next(source.frames())
@@ -183,7 +183,7 @@ def write_matroska(path, frames, *, seconds_of_sound=0):
     return path
 
 
-def test_a_matroska_file_that_is_cut_says_so_after_the_frames_before_the_cut(tmp_path):
+def test_the_cut_of_a_matroska_file_is_reported_after_the_frames_before_it(tmp_path):
     path = write_matroska(tmp_path / "dive.mkv", 100)
     assert len(list(open_source(path).frames())) == 100
     os.truncate(path, path.stat().st_size // 2)
@@ -225,7 +225,7 @@ def test_the_empty_frames_of_an_avi_whose_recorder_paused_are_not_missing(write_
     assert milliseconds(open_source(path)) == PAUSED
 
 
-def test_a_paused_avi_that_is_cut_off_after_the_pause_says_so(write_video):
+def test_the_cut_of_an_avi_after_a_pause_is_reported(write_video):
     path = write_video("dive.avi", PAUSED, codec="mpeg4", ticks=25)
     os.truncate(path, path.stat().st_size * 3 // 4)
     with pytest.raises(RecordingError, match=r"damaged after 4\d frames"):
@@ -306,7 +306,7 @@ def test_frames_without_times_after_the_last_key_frame_of_an_avi_are_steady(writ
     assert milliseconds(open_source(path)) == times
 
 
-def test_a_clock_that_begins_anew_leaves_the_steady_rate_and_a_note(write_video):
+def test_a_clock_that_restarts_leaves_the_steady_rate_and_a_note(write_video):
     path = write_video("dive.ts", [0, 40, 80, *(8000 + 40 * index for index in range(27))])
     path.write_bytes(path.read_bytes() * 2)
     source = open_source(path)
@@ -320,7 +320,7 @@ def test_a_program_stream_in_which_some_frames_have_no_time_is_steady(write_vide
     assert milliseconds(source) == times
 
 
-def test_a_clock_that_begins_anew_later_goes_on_at_the_steady_rate(write_video):
+def test_a_clock_that_restarts_later_goes_on_at_the_steady_rate(write_video):
     path = write_video("dive.ts", [40 * index for index in range(300)])
     path.write_bytes(path.read_bytes() * 2)
     stamps = milliseconds(open_source(path))

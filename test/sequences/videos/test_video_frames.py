@@ -25,7 +25,7 @@ def test_times_that_were_rounded_to_milliseconds_are_those_of_the_steady_rate(ra
     assert stamps_of(told, rate) == steady(5000, rate)
 
 
-def test_a_first_time_that_is_not_zero_is_the_first_stamp_all_the_same():
+def test_stamps_count_from_the_first_time():
     assert stamps_of([10_000 + 40 * index for index in range(9)]) == steady(9)
 
 

@@ -303,7 +303,7 @@ def test_a_cable_that_goes_under_is_one_as_far_as_it_can_be_seen(strip):
     assert beside < 0.0
 
 
-def test_a_table_that_is_not_there_is_said_at_once(tmp_path):
+def test_a_missing_table_is_refused_at_once(tmp_path):
     with pytest.raises(ParameterError, match="response_table"):
         BorderLikelihoodRatio(TrackerParameters(response_table=str(tmp_path / "none.json")))
 

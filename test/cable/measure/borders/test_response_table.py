@@ -76,7 +76,7 @@ def test_the_fainter_the_class_the_less_a_faint_edge_speaks_against_a_border():
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_no_point_says_more_than_the_largest_ratio(seed):
+def test_the_ratio_of_a_point_is_bounded(seed):
     rng = np.random.default_rng(seed)
     measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
     assert ratios_at(measured, load_table("")).max() <= LARGEST_RATIO
@@ -155,7 +155,7 @@ BROKEN = {
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("kind", BROKEN)
-def test_a_broken_table_is_refused_in_one_line_that_says_which_and_what_to_do(content, kind):
+def test_a_broken_table_is_refused_in_one_line_with_its_path_and_a_remedy(content, kind):
     with pytest.raises(ParameterError, match=r"response_table: my\.json") as caught:
         parse_table(BROKEN[kind](content), "my.json")
     message = str(caught.value)
@@ -164,7 +164,7 @@ def test_a_broken_table_is_refused_in_one_line_that_says_which_and_what_to_do(co
 
 
 @pytest.mark.parametrize("path", ["none.json", ".", "bad.json", "\0", "~nobody-at-all/x.json"])
-def test_a_file_that_cannot_be_read_is_said_with_its_path(tmp_path, monkeypatch, path):
+def test_an_unreadable_file_is_refused_with_its_path(tmp_path, monkeypatch, path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bad.json").write_bytes(b"\xff\xfe\x80")
     with pytest.raises(ParameterError, match=r"response_table: .*cannot be read") as caught:

@@ -127,7 +127,7 @@ def test_a_point_of_either_polarity_says_hardly_less_than_the_mean_of_both(brigh
 
 
 @given(SEEDS, COSTS, st.floats(-100.0, 400.0))
-def test_a_cable_is_striped_where_that_says_more_and_most_of_it_is_of_its_polarity(
+def test_a_cable_is_striped_where_that_is_likelier_and_most_of_it_has_its_polarity(
     seed, cost, level
 ):
     stretches = ratios(seed)

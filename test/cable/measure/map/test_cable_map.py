@@ -269,7 +269,7 @@ def test_cells_that_come_into_view_repeat_the_outermost_ones():
     assert moved.probabilities[:, -1].min() == 1.0
 
 
-def test_an_old_map_says_nothing():
+def test_a_map_that_is_too_old_does_not_count():
     """Else one would go on for as long as the network is not to look, an hour for instance."""
     state = CableState(0.0, 0.0, 24.0, 0.0)
     kept = kept_map_of(state)
@@ -286,6 +286,6 @@ def test_the_borders_of_a_new_map_count_more_the_older_the_kept_map_is(seconds, 
     assert found.right_rim == pytest.approx(0.6 * found.widening)
 
 
-def test_without_a_kept_map_a_new_one_alone_says_where_the_borders_are():
+def test_without_a_kept_map_the_borders_are_those_of_the_new_one():
     assert NO_KEPT_MAP.moved_to(CableState(0.0, 0.0, 24.0, 0.0).to_array()) is NO_MAP
     assert NO_KEPT_MAP.smoothed(MapBorders(10.0, 0.0, 6.0)) == (10.0, 0.0, 6.0)

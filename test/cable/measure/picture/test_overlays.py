@@ -271,7 +271,7 @@ def test_a_line_that_is_gone_is_forgotten():
     assert cleared(pictures) is pictures[-1]
 
 
-def test_pictures_of_another_size_begin_anew():
+def test_pictures_of_another_size_restart_the_search_for_overlays():
     lines = None
     for picture in dive(crosshair(BRIGHT)):
         lines = lines_after(lines, picture)

@@ -97,7 +97,7 @@ def test_a_frame_is_seen_when_all_about_it_has_come(world, loop, recorder):
     assert loop.seen(1) == [1]
 
 
-def test_without_images_a_frame_is_seen_all_the_same(world):
+def test_a_frame_is_recorded_without_its_image(world):
     recorder = world.add(LoopRecorder(world.context, world.namespace, with_images=False))
     loop = Loop(world, recorder, but=("image",))
     loop.says_all(1, but=("image", "state"))
@@ -108,7 +108,7 @@ def test_without_images_a_frame_is_seen_all_the_same(world):
     assert recorder.is_settled()
 
 
-def test_the_tracker_is_warm_when_it_says_so(world, loop, recorder):
+def test_the_tracker_is_warm_when_its_diagnostics_say_so(world, loop, recorder):
     assert not recorder.is_warm()
     loop.tells(1, "tracker", WARMING_UP, **{"subscribers of /x/cross_track": "1"})
     world.pass_time(0.3)
@@ -120,7 +120,7 @@ def test_the_tracker_is_warm_when_it_says_so(world, loop, recorder):
     world.spin(recorder.is_warm)
 
 
-def test_a_frame_that_the_tracker_left_out_is_a_row_all_the_same(loop, recorder):
+def test_a_frame_that_the_tracker_left_out_has_a_row(loop, recorder):
     loop.says_all(1, but=("state", "tracker/frame_report", "cross_track"))
     loop.says_all(2)
     assert loop.seen(1) == [2]

@@ -54,7 +54,7 @@ MAKERS = [
 
 
 @pytest.mark.parametrize("make", MAKERS)
-def test_a_number_that_is_none_is_seen(make):
+def test_a_published_nan_is_detected(make):
     assert is_finite(make(1.5))
     assert not is_finite(make(math.nan))
     assert not is_finite(make(math.inf))
@@ -79,7 +79,7 @@ def test_an_empty_picture_breaks_a_promise(camera):
     assert len(camera._record.breaches) == 1
 
 
-def test_a_tracker_that_says_nan_breaks_a_promise(camera):
+def test_a_tracker_that_publishes_nan_breaks_a_promise(camera):
     teller = camera.create_publisher(JointState, "state", 10)
     teller.publish(
         JointState(header=make_header(RclpyMessages(), 1, "eye"), position=array("d", [math.nan]))

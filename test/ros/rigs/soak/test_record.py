@@ -42,7 +42,7 @@ def test_another_process_is_no_growth():
     assert record.growth() == 0.0
 
 
-def test_latencies_are_told_by_the_minute():
+def test_latencies_are_summarised_by_the_minute():
     record = SoakRecord(latencies=[(0.1, 10.0), (0.9, 30.0), (2.5, 7.0)])
     windows = record.latency_windows()
     assert [(w["minutes"], w["frames"], w["median"], w["longest"]) for w in windows] == [
