@@ -44,6 +44,9 @@ STRIP = CableState(12.0, 0.2, 24.0, 0.03)
 OTHER = CableState(-45.0, -0.15, 20.0, 0.0)
 NO_DETECTIONS = np.empty((0, 4))
 FOUND = STRIP.to_array()[None, :4] + np.array([1.0, 0.02, -1.0, 0.0])
+BOTH_FOUND = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
+TOO_FAINT = {"evidence_to_find": 100.0}
+"""No strip has so much evidence."""
 
 
 def parameters(**changes) -> TrackerParameters:
@@ -62,18 +65,22 @@ def cloud(state, count=400, seed=0, wide=1.0) -> np.ndarray:
     return state.to_array() + rng.standard_normal((count, 8)) * sigma
 
 
-def working(image):
-    return plain_image(image)
+def given(cable_filter):
+    return cable_filter.given_belief(cloud(STRIP))
+
+
+def guessed(cable_filter):
+    return cable_filter.given_belief(cloud(STRIP), is_certain=False)
 
 
 @pytest.fixture
 def strip(draw_strip):
-    return working(draw_strip(STRIP, SIZE, strip=130.0, ground=100.0, blur=2.0))
+    return plain_image(draw_strip(STRIP, SIZE, strip=130.0, ground=100.0, blur=2.0))
 
 
 @pytest.fixture
 def noise(noise_picture):
-    return lambda seed: working(noise_picture(seed, SIZE))
+    return lambda seed: plain_image(noise_picture(seed, SIZE))
 
 
 def mean_of(belief) -> np.ndarray:
@@ -160,36 +167,41 @@ def assert_sound(belief) -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_presence_rises_on_a_strip_and_stays_low_on_noise(strip, noise, seed):
+def test_the_presence_rises_on_a_strip_and_the_estimate_settles_there(strip, seed):
     cable_filter = make_filter(seed)
-    seen = run(cable_filter, cable_filter.first_belief(), [strip] * 15, FOUND)
-    assert seen[-1].presence > 0.95
-    settled = np.mean([mean_of(belief)[[0, 2]] for belief in seen[5:]], axis=0)
-    np.testing.assert_allclose(settled, [12.0, 24.0], atol=1.5)
+    beliefs = run(cable_filter, cable_filter.first_belief(), [strip] * 15, FOUND)
+    assert beliefs[-1].presence > 0.95
+    settled = np.mean([mean_of(belief)[[0, 2]] for belief in beliefs[5:]], axis=0)
+    np.testing.assert_allclose(settled, [STRIP.distance, STRIP.width], atol=1.5)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_presence_stays_low_on_noise(noise, seed):
     cable_filter = make_filter(seed)
     images = [noise(100 * seed + k) for k in range(15)]
-    unseen = run(cable_filter, cable_filter.first_belief(), images, FOUND)
-    assert max(belief.presence for belief in unseen) < 0.5
+    beliefs = run(cable_filter, cable_filter.first_belief(), images, FOUND)
+    assert max(belief.presence for belief in beliefs) < 0.5
 
 
-def test_a_bright_cable_becomes_known_as_bright_and_a_dark_one_as_dark(draw_strip):
-    for strip, ground in ((180.0, 80.0), (80.0, 180.0)):
-        image = working(draw_strip(STRIP, SIZE, strip=strip, ground=ground))
-        cable_filter = make_filter()
-        belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [image] * 10)[-1]
-        assert belief.p_bright > 0.9 if strip > ground else belief.p_bright < 0.1
+@pytest.mark.parametrize(
+    ("strip", "ground", "least", "most"), [(180.0, 80.0, 0.9, 1.0), (80.0, 180.0, 0.0, 0.1)]
+)
+def test_the_polarity_of_a_cable_becomes_known(draw_strip, strip, ground, least, most):
+    image = plain_image(draw_strip(STRIP, SIZE, strip=strip, ground=ground))
+    cable_filter = make_filter()
+    belief = run(cable_filter, given(cable_filter), [image] * 10)[-1]
+    assert least < belief.p_bright < most
 
 
 def test_two_strips_are_two_hypotheses_and_the_estimate_is_on_one_of_them(draw_strip):
     pictures = [draw_strip(state, SIZE, strip=180.0, ground=80.0) for state in (STRIP, OTHER)]
-    image = working(np.maximum(*pictures))
-    detections = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
+    image = plain_image(np.maximum(*pictures))
     # The network may take both and what is between them for one wide cable.
     cable_filter = make_filter(looks="borders")
     states = np.concatenate((cloud(STRIP, 200), cloud(OTHER, 200)))
-    belief = cable_filter.step(cable_filter.given_belief(states), image, FRAME, detections)
+    belief = cable_filter.step(cable_filter.given_belief(states), image, FRAME, BOTH_FOUND)
     assert (belief.hypotheses.clusters.masses > 0.3).sum() == 2
-    for after in run(cable_filter, belief, [image] * 10, detections):
+    for after in run(cable_filter, belief, [image] * 10, BOTH_FOUND):
         distance = mean_of(after)[0]
         assert min(abs(distance - 12.0), abs(distance + 45.0)) < 3.0
         assert_sound(after)
@@ -197,7 +209,7 @@ def test_two_strips_are_two_hypotheses_and_the_estimate_is_on_one_of_them(draw_s
 
 def test_the_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, noise):
     cable_filter = make_filter()
-    seen = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 15, FOUND)[-1]
+    seen = run(cable_filter, given(cable_filter), [strip] * 15, FOUND)[-1]
     assert np.exp(seen.memory.log_width) == pytest.approx(24.0, abs=2.5)
     assert seen.memory.seconds == 0.0
     np.testing.assert_allclose(seen.memory.pose, STRIP.to_array()[:4], atol=1.5)
@@ -213,18 +225,19 @@ def faint_beside_clear(draw_strip, noise_picture) -> list:
     pictures = [faint] * 8 + [np.maximum(faint, clear)] * 17
     noises = [noise_picture(seed, SIZE).astype(float) - 128.0 for seed in range(len(pictures))]
     shown = zip(pictures, noises, strict=True)
-    return [working(np.clip(each + 0.2 * noise, 0, 255).astype(np.uint8)) for each, noise in shown]
+    return [
+        plain_image(np.clip(each + 0.2 * noise, 0, 255).astype(np.uint8)) for each, noise in shown
+    ]
 
 
 @pytest.mark.parametrize(("limit", "is_left"), [(4.0, False), (1e6, True)])
 def test_a_known_cable_is_not_left_for_a_clearer_strip(draw_strip, noise_picture, limit, is_left):
     images = faint_beside_clear(draw_strip, noise_picture)
-    detections = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
     ends = []
     for seed in range(3):
         cable_filter = make_filter(seed, evidence_limit_known=limit)
-        belief = cable_filter.given_belief(cloud(STRIP))
-        ends.append(mean_of(run(cable_filter, belief, images, detections)[-1])[0])
+        belief = given(cable_filter)
+        ends.append(mean_of(run(cable_filter, belief, images, BOTH_FOUND)[-1])[0])
     distances = np.array(ends)
     on_other = np.abs(distances - OTHER.distance) < 5.0
     on_strip = np.abs(distances - STRIP.distance) < 5.0
@@ -233,8 +246,8 @@ def test_a_known_cable_is_not_left_for_a_clearer_strip(draw_strip, noise_picture
 
 def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     cable_filter = make_filter()
-    assert run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip])[-1].is_given
-    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
+    assert run(cable_filter, given(cable_filter), [strip])[-1].is_given
+    guess = guessed(cable_filter)
     followed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
     assert followed.known_time == pytest.approx(10 * FRAME)
     gone = run(cable_filter, followed, [noise(k) for k in range(25)])[-1]
@@ -242,41 +255,41 @@ def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     assert cable_filter.first_belief().known_time == 0.0
 
 
-def test_a_guessed_cable_too_faint_to_claim_is_never_known(strip):
-    cable_filter = make_filter(evidence_to_find=100.0)
-    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
-    assert run(cable_filter, guess, [strip] * 10, FOUND)[-1].known_time == 0.0
-    given = cable_filter.given_belief(cloud(STRIP))
-    assert run(cable_filter, given, [strip] * 10, FOUND)[-1].is_given
-
-
-def test_a_guessed_cable_too_faint_to_claim_is_not_remembered(strip):
-    cable_filter = make_filter(evidence_to_find=100.0)
-    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
-    believed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
+def test_a_guessed_cable_too_faint_to_claim_is_neither_known_nor_remembered(strip):
+    cable_filter = make_filter(**TOO_FAINT)
+    believed = run(cable_filter, guessed(cable_filter), [strip] * 10, FOUND)[-1]
     assert believed.presence > 0.9
+    assert believed.known_time == 0.0
     assert believed.memory is None
     assert believed.p_bright == pytest.approx(0.5)
-    given = cable_filter.given_belief(cloud(STRIP))
-    assert run(cable_filter, given, [strip] * 10, FOUND)[-1].memory is not None
+
+
+def test_a_given_cable_too_faint_to_claim_is_known_and_remembered(strip):
+    cable_filter = make_filter(**TOO_FAINT)
+    believed = run(cable_filter, given(cable_filter), [strip] * 10, FOUND)[-1]
+    assert believed.is_given
+    assert believed.memory is not None
 
 
 def test_a_new_search_begins_after_too_long_without_a_claim(strip):
-    cable_filter = make_filter(evidence_to_find=100.0, search_time=0.4)
-    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
-    beliefs = run(cable_filter, guess, [strip] * 30, FOUND)
+    cable_filter = make_filter(**TOO_FAINT, search_time=0.4)
+    beliefs = run(cable_filter, guessed(cable_filter), [strip] * 30, FOUND)
     faint_times = np.array([belief.faint_time for belief in beliefs])
     assert 0.4 <= faint_times.max() < 0.4 + 2 * FRAME
     assert (np.diff(faint_times) < 0.0).any()
-    given = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 30, FOUND)
-    assert not any(belief.faint_time for belief in given)
+
+
+def test_no_new_search_begins_while_a_given_cable_is_seen(strip):
+    cable_filter = make_filter(**TOO_FAINT, search_time=0.4)
+    beliefs = run(cable_filter, given(cable_filter), [strip] * 30, FOUND)
+    assert not any(belief.faint_time for belief in beliefs)
 
 
 def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
     cable_filter = make_filter(search_time=0.4)
-    tracked = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 10, FOUND)[-1]
+    tracked = run(cable_filter, given(cable_filter), [strip] * 10, FOUND)[-1]
     too_faint = replace(tracked, faint_time=0.4)
-    (anew,) = run(make_filter(evidence_to_find=100.0, search_time=0.4), too_faint, [strip], FOUND)
+    (anew,) = run(make_filter(**TOO_FAINT, search_time=0.4), too_faint, [strip], FOUND)
     assert anew.faint_time < 0.4
     assert anew.memory.seconds == pytest.approx(tracked.memory.seconds + FRAME)
     assert anew.memory.log_width == tracked.memory.log_width
@@ -289,7 +302,7 @@ def test_a_new_search_begins_when_every_particle_is_impossible(strip, monkeypatc
         width_minimum=150.0, appearance_rate=0.0, search_share=0.0, detector_share=0.0,
         diffusion_degrees_of_freedom=0.0,
     )  # fmt: skip
-    before = cable_filter.given_belief(cloud(STRIP), is_certain=False)
+    before = guessed(cable_filter)
     (after,) = run(cable_filter, before, [strip])
     assert_sound(after)
     assert after.presence == LEAST_PRESENCE
@@ -307,7 +320,7 @@ def test_an_appearance_rate_of_zero_gives_sound_beliefs(strip, noise):
 @pytest.mark.parametrize("count", [1, 3, 900])
 def test_another_number_of_particles_keeps_what_is_believed(strip, count):
     cable_filter = make_filter()
-    belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 3)[-1]
+    belief = run(cable_filter, given(cable_filter), [strip] * 3)[-1]
     converted = make_filter(particle_count=count).converted(belief)
     assert converted.particles.count == count
     assert converted.presence == belief.presence
@@ -374,7 +387,7 @@ def test_extreme_parameters_run_without_a_warning(strip, noise, kind):
 
 def test_the_belief_before_is_not_changed(strip):
     cable_filter = make_filter()
-    belief = cable_filter.given_belief(cloud(STRIP))
+    belief = given(cable_filter)
     states, weights = belief.particles.states.copy(), belief.particles.log_weights.copy()
     cable_filter.step(belief, strip, FRAME, FOUND)
     np.testing.assert_array_equal(belief.particles.states, states)
@@ -384,7 +397,7 @@ def test_the_belief_before_is_not_changed(strip):
 def test_a_given_cable_that_is_there_is_claimed_with_the_first_frame(strip):
     # The cells of a map are coarse beside a picture of 160 px: w is that of the borders.
     cable_filter = make_filter(map_width_share=0.0)
-    belief = cable_filter.step(cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NO_DETECTIONS)
+    belief = cable_filter.step(given(cable_filter), strip, 0.0, NO_DETECTIONS)
     summary = cable_filter.summary(belief, strip)
     assert summary.supports_claim
     assert summary.supports_keeping
@@ -394,9 +407,9 @@ def test_a_given_cable_that_is_there_is_claimed_with_the_first_frame(strip):
 
 
 def test_a_flat_picture_neither_rises_nor_holds():
-    flat = working(np.full(SIZE[::-1], 90, np.uint8))
+    flat = plain_image(np.full(SIZE[::-1], 90, np.uint8))
     cable_filter = make_filter()
-    belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [flat] * 11)[-1]
+    belief = run(cable_filter, given(cable_filter), [flat] * 11)[-1]
     summary = cable_filter.summary(belief, flat)
     assert not summary.supports_claim
     assert not summary.supports_keeping
@@ -405,11 +418,10 @@ def test_a_flat_picture_neither_rises_nor_holds():
 
 def test_hypotheses_are_reported_likeliest_first_and_the_covariance_is_of_one(draw_strip):
     pictures = [draw_strip(state, SIZE) for state in (STRIP, OTHER)]
-    image = working(np.maximum(*pictures))
-    detections = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
+    image = plain_image(np.maximum(*pictures))
     cable_filter = make_filter(border_displacement=0.0, looks="borders")
     belief = cable_filter.given_belief(np.concatenate((cloud(STRIP, 200), cloud(OTHER, 200))))
-    for after in run(cable_filter, belief, [image] * 8, detections):
+    for after in run(cable_filter, belief, [image] * 8, BOTH_FOUND):
         summary = cable_filter.summary(after, image)
         shares = [hypothesis.probability for hypothesis in summary.hypotheses]
         assert shares == sorted(shares, reverse=True)
@@ -420,7 +432,7 @@ def test_hypotheses_are_reported_likeliest_first_and_the_covariance_is_of_one(dr
 
 def test_the_covariance_goes_with_the_estimate_across_the_wrap(draw_strip):
     horizontal = CableState(10.0, np.pi / 2, 24.0)
-    image = working(draw_strip(horizontal, SIZE))
+    image = plain_image(draw_strip(horizontal, SIZE))
     cable_filter = make_filter(border_displacement=0.0)
     for belief in run(cable_filter, cable_filter.given_belief(cloud(horizontal)), [image] * 15):
         summary = cable_filter.summary(belief, image)
@@ -435,9 +447,7 @@ def test_the_covariance_contains_the_displacement_of_the_borders(strip):
     summaries = []
     for displacement in (0.0, 4.0):
         cable_filter = make_filter(border_displacement=displacement)
-        belief = cable_filter.step(
-            cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NO_DETECTIONS
-        )
+        belief = cable_filter.step(given(cable_filter), strip, 0.0, NO_DETECTIONS)
         summaries.append(cable_filter.summary(belief, strip))
     plain, wide = summaries
     added = wide.covariance - plain.covariance
@@ -467,7 +477,7 @@ def fading(state, grey, ground=100.0) -> np.ndarray:
 def test_the_border_that_is_hidden_is_the_uncertain_one(grey, angle):
     """Whichever way the normal is written, and whether the cable is bright or dark."""
     state = CableState(4.0, angle, 30.0)
-    right_is_hidden = working(fading(state, grey))
+    right_is_hidden = plain_image(fading(state, grey))
     # A map does not say which border it is that it disagrees with.
     cable_filter = make_filter(looks="borders")
     belief = run(cable_filter, cable_filter.given_belief(cloud(state)), [right_is_hidden] * 2)[-1]

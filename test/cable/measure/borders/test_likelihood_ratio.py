@@ -39,12 +39,8 @@ def changed(**changes) -> np.ndarray:
     return values
 
 
-def working(image):
-    return plain_image(image)
-
-
 def measured(image, *states):
-    return MODEL.measure(np.array(states), working(image))
+    return MODEL.measure(np.array(states), plain_image(image))
 
 
 @pytest.fixture
@@ -103,7 +99,7 @@ def test_bands_of_a_cable_cost_less_than_borders_of_the_wrong_polarity(strip, ba
     never = BorderLikelihoodRatio(TrackerParameters(reversal_cost=1e3, covered_cost=1e3))
     plain = measured(strip, changed()).log_ratios.max()
     with_bands = measured(banded, changed())
-    without = never.measure(changed()[None], working(banded)).log_ratios.max()
+    without = never.measure(changed()[None], plain_image(banded)).log_ratios.max()
     assert without < 0.4 * plain
     # Along the cable the picture is 10 stretches long; those with an end of a band say less.
     assert with_bands.log_ratios.max() > plain - 10 * TrackerParameters().reversal_cost
@@ -118,7 +114,7 @@ def test_bands_shorter_than_a_stretch_are_those_of_a_striped_cable(strip):
     may_be, never = (
         BorderLikelihoodRatio(TrackerParameters(reversal_cost=cost)) for cost in (3.0, 1e3)
     )
-    states, image = np.array([changed(), changed(distance=30.0)]), working(striped)
+    states, image = np.array([changed(), changed(distance=30.0)]), plain_image(striped)
     true, beside = may_be.measure(states, image).log_ratios.max(axis=1)
     assert true > never.measure(states, image).log_ratios.max() + 5.0
     assert beside < 0.0
@@ -134,7 +130,7 @@ def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, n
     found = []
     for strip in (through, corner):
         picture = draw_strip(strip, SIZE) + noise_picture(1, SIZE, 4.0).astype(np.float32) - 128.0
-        scan, model = working(picture).scan, MODEL.model_for(working(picture))
+        scan, model = plain_image(picture).scan, MODEL.model_for(plain_image(picture))
         elsewhere = replace(strip, distance=strip.distance - 40.0)
         states = np.array([strip.to_array(), elsewhere.to_array()])
         found.append(border_clearness(states, scan, model))
@@ -147,7 +143,7 @@ def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, n
 
 
 def test_a_cable_out_of_view_shows_nothing(strip):
-    scan, model = working(strip).scan, MODEL.model_for(working(strip))
+    scan, model = plain_image(strip).scan, MODEL.model_for(plain_image(strip))
     found = border_clearness(changed(distance=500.0)[None, :], scan, model)
     assert found.shown[0] == 0.0
     assert found.clearness[0] < 0.0
@@ -156,7 +152,7 @@ def test_a_cable_out_of_view_shows_nothing(strip):
 def test_a_negative_of_the_picture_swaps_bright_and_dark(strip):
     states = [changed(distance=d, angle=a) for d in (-20, 0, 3, 30) for a in (-0.3, 0, 0.02)]
     picture, negative = (
-        MODEL.measure(np.array(states), working(image)) for image in (strip, 255.0 - strip)
+        MODEL.measure(np.array(states), plain_image(image)) for image in (strip, 255.0 - strip)
     )
     np.testing.assert_allclose(picture.log_ratios, negative.log_ratios[:, ::-1], atol=0.15)
     np.testing.assert_allclose(picture.border_means, negative.border_means[:, ::-1], atol=0.2)
@@ -242,14 +238,14 @@ def test_points_far_apart_count_as_independent_ones_and_no_more(strip, tempering
 
 
 def test_no_cable_at_all_is_measured_as_none(strip):
-    found = MODEL.measure(np.empty((0, 8)), working(strip))
+    found = MODEL.measure(np.empty((0, 8)), plain_image(strip))
     assert found.log_ratios.shape == found.border_means.min(axis=2).shape == (0, 2)
     assert found.visible_lengths.shape == (0,)
 
 
 def test_in_a_tall_picture_a_cable_across_is_as_clear_as_one_that_runs_down(draw_strip):
     down, across = (
-        MODEL.evidence(state.to_array(), working(draw_strip(state, (180, 320))))
+        MODEL.evidence(state.to_array(), plain_image(draw_strip(state, (180, 320))))
         for state in (CableState(5.0, 0.0, 20.0), CableState(5.0, np.pi / 2, 20.0))
     )
     assert across == pytest.approx(down, rel=0.1)
@@ -282,7 +278,7 @@ def test_the_borders_of_a_cable_are_about_as_strong_as_each_other():
 @given(st.integers(0, 2**32 - 1))
 def test_a_cable_has_the_sum_of_its_points_ratios(seed):
     rng = np.random.default_rng(seed)
-    image = working(rng.normal(100.0, 20.0, SIZE[::-1]).astype(np.float32))
+    image = plain_image(rng.normal(100.0, 20.0, SIZE[::-1]).astype(np.float32))
     state = np.zeros(8)
     state[:4] = rng.uniform([-90, -np.pi / 2, 4, -0.3], [90, np.pi / 2, 70, 0.3])
     expected = literal_log_ratios(state, image, load_table(""), TrackerParameters())
@@ -296,7 +292,7 @@ def test_a_cable_that_goes_under_is_one_as_far_as_it_can_be_seen(strip):
     half = strip.copy()
     half[60:] = rng.normal(80.0, 6.0, half[60:].shape).clip(0, 255)
     uncovered = BorderLikelihoodRatio(TrackerParameters(covered_cost=1e3))
-    states, image = np.array([changed(), changed(distance=40.0)]), working(half)
+    states, image = np.array([changed(), changed(distance=40.0)]), plain_image(half)
     true, beside = MODEL.measure(states, image).log_ratios.max(axis=1)
     assert true > uncovered.measure(states, image).log_ratios[0].max() + 3.0
     assert true > 10.0
@@ -311,7 +307,7 @@ def test_a_missing_table_is_refused_at_once(tmp_path):
 @pytest.mark.parametrize("shape", [(3, 2), (8,)])
 def test_cables_of_too_few_columns_are_refused(strip, shape):
     with pytest.raises(ValueError, match="shape"):
-        MODEL.measure(np.zeros(shape), working(strip))
+        MODEL.measure(np.zeros(shape), plain_image(strip))
 
 
 @given(RATIOS, RATIOS, PROBABILITIES)
