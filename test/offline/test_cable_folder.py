@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import av
 import cv2
@@ -45,24 +46,40 @@ def names_in(folder) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
-def test_every_result_is_written_and_can_be_read(tmp_path, dive):
-    with CableFolder(tmp_path / "out") as results:
-        assert names_in(tmp_path) == {".out.partial"}
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory, dive) -> Path:
+    """A folder of results of the dive, to be read only."""
+    parent = tmp_path_factory.mktemp("results")
+    with CableFolder(parent / "out") as results:
+        assert names_in(parent) == {".out.partial"}
         fill(results, dive)
-    assert names_in(tmp_path) == {"out"}
-    assert names_in(tmp_path / "out") == NAMES
-    rows = read_estimates(tmp_path / "out" / "estimates.csv")
-    assert rows == [tracking_row(frame) for frame in dive]
-    with av.open(str(tmp_path / "out" / "overlay.webm")) as video:
+    return parent / "out"
+
+
+def test_results_appear_together_under_their_names(filled):
+    assert names_in(filled.parent) == {"out"}
+    assert names_in(filled) == NAMES
+
+
+def test_the_table_has_a_row_for_each_frame(filled, dive):
+    assert read_estimates(filled / "estimates.csv") == [tracking_row(frame) for frame in dive]
+
+
+def test_the_video_has_a_picture_for_each_frame(filled):
+    with av.open(str(filled / "overlay.webm")) as video:
         shapes = [picture.to_ndarray(format="bgr24").shape for picture in video.decode(video=0)]
     assert len(shapes) == 12
     assert len(set(shapes)) == 1
     assert shapes[0][1] >= 480
-    for picture in ("overlay.png", "estimates.png"):
-        pixels = cv2.imread(str(tmp_path / "out" / picture))
-        assert pixels is not None
-        assert pixels.std() > 5
-    with AnyReader([tmp_path / "out" / "bag"]) as reader:
+
+
+@pytest.mark.parametrize("name", ["overlay.png", "estimates.png"])
+def test_pictures_show_something(filled, name):
+    assert cv2.imread(str(filled / name)).std() > 5
+
+
+def test_the_bag_can_be_read(filled):
+    with AnyReader([filled / "bag"]) as reader:
         assert reader.message_count == 0
 
 

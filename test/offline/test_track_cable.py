@@ -63,38 +63,53 @@ def messages_of(folder) -> dict[str, list]:
     return found
 
 
-def test_every_frame_has_a_row_and_its_messages(track, make_recording, dive):
+@pytest.fixture
+def rows_and_messages(track, make_recording) -> tuple[list, dict[str, list]]:
+    """Table and bag of a recording of 12 frames that is tracked from its truth."""
     recording = make_recording()
     folder, damage = track(recording, given=given_state_for(recording, "truth", DEFAULT_LIMITS))
     assert damage is None
-    rows = read_estimates(folder / ESTIMATES)
+    return read_estimates(folder / ESTIMATES), messages_of(folder)
+
+
+def test_every_frame_has_a_row(rows_and_messages, dive):
+    rows, _ = rows_and_messages
     assert [row.frame for row in rows] == list(range(12))
     assert [row.stamp for row in rows] == [frame.stamp for frame in dive]
     assert {row.status for row in rows} == {"TRACKING"}
-    messages = messages_of(folder)
-    assert set(messages) == EVERY_TOPIC
-    assert {topic: len(of_topic) for topic, of_topic in messages.items()} == dict.fromkeys(
-        EVERY_TOPIC, 12
-    )
 
 
-def test_bag_and_table_say_the_same(track, make_recording, dive):
-    recording = make_recording()
-    folder, _ = track(recording, given=given_state_for(recording, "truth", DEFAULT_LIMITS))
-    messages = messages_of(folder)
-    for index, row in enumerate(read_estimates(folder / ESTIMATES)):
-        state = messages["/state"][index]
+def test_every_frame_has_a_message_on_every_topic(rows_and_messages):
+    _, messages = rows_and_messages
+    counts = {topic: len(of_topic) for topic, of_topic in messages.items()}
+    assert counts == dict.fromkeys(EVERY_TOPIC, 12)
+
+
+def test_the_states_of_the_bag_are_those_of_the_table(rows_and_messages):
+    rows, messages = rows_and_messages
+    for row, state, centreline in zip(
+        rows, messages["/state"], messages["/centreline"], strict=True
+    ):
         assert stamp_of(state.header) == row.stamp
         assert read_state(state) == row.state
         assert read_sigma(state) == row.sigma
-        assert read_state(messages["/ground_truth"][index]) == dive[index].truth
-        cloud = read_particles(messages["/particles"][index])
+        foot = centreline.pose.pose.position
+        assert np.hypot(foot.x, foot.y) == pytest.approx(abs(row.state.distance), abs=1e-9)
+
+
+def test_the_particles_of_the_bag_lie_about_the_state(rows_and_messages):
+    rows, messages = rows_and_messages
+    for row, message in zip(rows, messages["/particles"], strict=True):
+        cloud = read_particles(message)
         assert cloud.shape == (200, 9)
         assert cloud[:, -1] @ cloud[:, 0] == pytest.approx(row.state.distance, abs=0.5)
-        pose = messages["/centreline"][index].pose.pose
-        assert np.hypot(pose.position.x, pose.position.y) == pytest.approx(
-            abs(row.state.distance), abs=1e-9
-        )
+
+
+def test_the_truth_of_the_recording_is_in_the_bag(rows_and_messages, dive):
+    _, messages = rows_and_messages
+    assert [read_state(truth) for truth in messages["/ground_truth"]] == [
+        frame.truth for frame in dive
+    ]
 
 
 def test_rows_and_messages_without_a_claim_have_no_state(track, make_recording):
@@ -103,9 +118,7 @@ def test_rows_and_messages_without_a_claim_have_no_state(track, make_recording):
     assert rows[0].status == "INITIALISING"
     assert rows[0].state is None
     assert rows[0].sigma is None
-    assert rows[0].n_eff is not None
-    assert rows[0].evidence is not None
-    assert rows[0].hypotheses is not None
+    assert None not in (rows[0].n_eff, rows[0].evidence, rows[0].hypotheses)
     messages = messages_of(folder)
     claimed = sum(row.status == "TRACKING" for row in rows)
     assert len(messages.get("/centreline", [])) == claimed
