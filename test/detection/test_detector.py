@@ -73,9 +73,9 @@ def test_float_pictures_give_the_same_as_whole_numbers(detector, draw_strip):
 
 
 @pytest.mark.parametrize("size", [(16, 16), (320, 240), (16, 200), (3000, 16)], ids=str)
-def test_a_flat_picture_shows_nothing(detector, size):
-    for level in (0, 1, 90, 255):
-        assert detector.detect(np.full(size[::-1], level, np.uint8), None) == [], level
+@pytest.mark.parametrize("level", [0, 1, 90, 255])
+def test_no_cable_is_found_in_a_flat_picture(detector, size, level):
+    assert detector.detect(np.full(size[::-1], level, np.uint8), None) == []
 
 
 def test_a_gradient_of_light_is_no_cable(detector):
@@ -119,14 +119,16 @@ def test_the_best_comes_first(detector, draw_strip):
     assert len(scores) >= 2
 
 
-def test_a_region_leaves_only_the_cable_in_it(detector, draw_strip, errors):
-    left, right = CableState(-80.0, 0.0, 30.0), CableState(70.0, 0.1, 40.0)
-    image = np.maximum(draw_strip(left), draw_strip(right))
-    for pose in (left, right):
-        region = SearchRegion(pose, distance=15.0, angle=0.2, width=15.0)
-        found = detector.detect(image, region)
-        assert np.all(np.abs(errors(found[0].state, pose)) < 2.0)
-        assert region.admits(np.array([each.state.to_array() for each in found])).all()
+LEFT, RIGHT = CableState(-80.0, 0.0, 30.0), CableState(70.0, 0.1, 40.0)
+
+
+@pytest.mark.parametrize("wanted", [LEFT, RIGHT], ids=["left", "right"])
+def test_only_cables_in_the_region_are_found(detector, draw_strip, errors, wanted):
+    image = np.maximum(draw_strip(LEFT), draw_strip(RIGHT))
+    region = SearchRegion(wanted, distance=15.0, angle=0.2, width=15.0)
+    found = detector.detect(image, region)
+    assert np.all(np.abs(errors(found[0].state, wanted)) < 2.0)
+    assert region.admits(np.array([each.state.to_array() for each in found])).all()
 
 
 def test_a_region_works_in_reduced_pictures_and_across_the_wrap(detector, draw_strip, errors):

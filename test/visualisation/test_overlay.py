@@ -175,11 +175,11 @@ def test_further_hypotheses_are_centrelines_where_they_are_likely_enough():
     assert _columns(picture, HYPOTHESES) == {60, 260}
 
 
-def test_without_state_hypotheses_are_drawn_with_the_particles_only():
+@pytest.mark.parametrize(("cloud", "columns"), [(None, set()), (np.zeros((0, 9)), {60})])
+def test_without_state_hypotheses_are_drawn_with_the_particles_only(cloud, columns):
     hypotheses = _hypotheses((0.8, 0.5), (0.2, -99.5))
-    for cloud, columns in ((None, set()), (np.zeros((0, 9)), {60})):
-        picture = draw_overlay(BLACK, state=None, status="LOST", cloud=cloud, hypotheses=hypotheses)
-        assert _columns(picture, HYPOTHESES) == columns
+    picture = draw_overlay(BLACK, state=None, status="LOST", cloud=cloud, hypotheses=hypotheses)
+    assert _columns(picture, HYPOTHESES) == columns
 
 
 def test_enlarging_keeps_hypotheses_in_place():

@@ -10,12 +10,17 @@ def _luminance(colour):
     return float(np.dot(colour, (0.299, 0.587, 0.114)))
 
 
-def test_every_status_of_the_design_has_a_colour():
-    assert palette.status_colour("TRACKING") == palette.GREEN
-    assert palette.status_colour("LOST") == palette.RED
-    assert palette.status_colour("INITIALISING") == palette.AMBER
-    for status in ("REFUSED", "STALE", "DISABLED", "anything"):
-        assert palette.status_colour(status) == palette.GREY
+@pytest.mark.parametrize(
+    ("status", "colour"),
+    [
+        ("TRACKING", palette.GREEN),
+        ("LOST", palette.RED),
+        ("INITIALISING", palette.AMBER),
+        *((other, palette.GREY) for other in ("REFUSED", "STALE", "DISABLED", "anything")),
+    ],
+)
+def test_every_status_has_a_colour(status, colour):
+    assert palette.status_colour(status) == colour
 
 
 def test_channels_are_reversed_for_opencv_and_scaled_for_matplotlib():
@@ -33,6 +38,6 @@ def test_lines_differ_to_eyes_without_red_or_green():
         assert max(yellow, blue) > 40
 
 
-def test_colours_stand_out_from_a_dark_strip():
-    for colour in (palette.GREEN, palette.RED, palette.AMBER, palette.GREY, palette.WHITE):
-        assert _luminance(colour) > 100
+@pytest.mark.parametrize("name", ["GREEN", "RED", "AMBER", "GREY", "WHITE"])
+def test_colours_stand_out_from_a_dark_strip(name):
+    assert _luminance(getattr(palette, name)) > 100

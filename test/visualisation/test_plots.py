@@ -186,11 +186,13 @@ def test_a_pause_is_shaded_for_neither_side_and_no_presence_is_drawn_over_it():
     assert np.flatnonzero(np.isnan(line[:, 0])).tolist() == [3]
 
 
-def test_the_truth_is_named_only_where_there_is_one():
-    for truths, named in (({}, False), ({1: CableState(1.0, 0.0, 30.0)}, True)):
-        figure = plots._draw(plots._series(_rows(_swaying(5)), truths))
-        texts = [text.get_text() for text in figure.legends[0].get_texts()]
-        assert ("ground truth" in texts) == named
+@pytest.mark.parametrize(
+    ("truths", "is_named"), [({}, False), ({1: CableState(1.0, 0.0, 30.0)}, True)]
+)
+def test_the_legend_names_the_truth_only_where_there_is_one(truths, is_named):
+    figure = plots._draw(plots._series(_rows(_swaying(5)), truths))
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert ("ground truth" in texts) == is_named
 
 
 def test_a_huge_band_does_not_hide_the_curve():

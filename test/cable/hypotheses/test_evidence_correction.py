@@ -100,14 +100,13 @@ def test_how_much_it_looks_like_a_cable_counts_fully():
     )
 
 
-def test_a_new_group_gains_only_the_evidence_beyond_that_of_the_surviving_group():
+@pytest.mark.parametrize(("old", "new"), [(5.0, 7.0), (7.0, 5.0), (0.0, 99.0)])
+def test_a_new_group_gains_only_the_evidence_beyond_that_of_the_surviving_group(old, new):
     log_prior = np.log([0.9, 0.1])
-    for old, new in ((5.0, 7.0), (7.0, 5.0), (0.0, 99.0)):
-        ratios = np.array([old, new]) / BACKGROUND_SHARE
-        after = corrected(log_prior + ratios, log_prior, [1.0, 0.0], [0, 1])
-        first, second = after - log_prior
-        assert first == pytest.approx(0.15 * min(old, 8.0))
-        assert second == pytest.approx(0.15 * old + min(new - old, 8.0))
+    ratios = np.array([old, new]) / BACKGROUND_SHARE
+    first, second = corrected(log_prior + ratios, log_prior, [1.0, 0.0], [0, 1]) - log_prior
+    assert first == pytest.approx(0.15 * min(old, 8.0))
+    assert second == pytest.approx(0.15 * old + min(new - old, 8.0))
 
 
 def test_evidence_that_the_bottom_explains_too_does_not_count():

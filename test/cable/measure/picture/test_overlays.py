@@ -195,11 +195,10 @@ def test_lines_are_left_until_they_have_stood_still_for_long_enough():
     assert cleared(pictures, least_time=0.5) is pictures[-1]
 
 
-def test_overlays_are_removed_only_after_four_frames_even_if_far_apart():
-    pictures = dive(crosshair(BRIGHT))
-    for count, is_enough in ((2, False), (3, False), (4, True)):
-        found = cleared(pictures[:count], dt=1.0, least_time=0.1)
-        assert (found is not pictures[count - 1]) == is_enough
+@pytest.mark.parametrize(("count", "is_removed"), [(2, False), (3, False), (4, True)])
+def test_overlays_are_removed_only_after_four_frames_even_if_far_apart(count, is_removed):
+    pictures = dive(crosshair(BRIGHT))[:count]
+    assert (cleared(pictures, dt=1.0, least_time=0.1) is not pictures[-1]) == is_removed
 
 
 def test_ground_that_moves_is_left_as_it_is():
