@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -47,6 +48,9 @@ class Tracker:
                 if topic != "tracker/frame_report"
             )
         )
+
+    def reports_are_heard(self) -> None:
+        self._world.spin(self._publishers["tracker/frame_report"].get_subscription_count)
 
     def _header(self) -> Header:
         seconds, tenths = divmod(self._frame, 10)
@@ -108,6 +112,24 @@ def tracker(world: Any) -> Tracker:
 
 
 @pytest.fixture
+def start(world: Any, tracker: Tracker) -> Callable[..., ControllerNode]:
+    """Make a controller that hears the tracker, and waits long for what it misses."""
+
+    def start(**settings: Any) -> ControllerNode:
+        node = world.controller(**{**PATIENT, **settings})
+        tracker.is_heard()
+        return node
+
+    return start
+
+
+@pytest.fixture
+def statuses(diagnostics: Callable[..., list[Any]]) -> Callable[..., list[str]]:
+    """What the diagnostics of a node have said so far."""
+    return lambda node: [words for words, _ in diagnostics(node)]
+
+
+@pytest.fixture
 def no_patience_for_reports(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(guidance_node, "REPORT_PATIENCE", 0.2)
 
@@ -122,30 +144,29 @@ def warnings_of_missing_reports(world: Any, tracker: Tracker, logs: list[Any]) -
 
 
 @pytest.mark.usefixtures("no_patience_for_reports")
-def test_a_tracker_whose_reports_do_not_come_is_warned_of_once(world, tracker):
+def test_a_tracker_whose_reports_do_not_come_is_warned_of_once(world, tracker, start):
     logs = world.listen(Log, "/rosout")
-    world.controller(settle_time=0.0, state_timeout=60.0)
-    tracker.is_heard()
+    start(settle_time=0.0)
     assert len(warnings_of_missing_reports(world, tracker, logs)) == 1
 
 
 @pytest.mark.usefixtures("no_patience_for_reports")
 @pytest.mark.parametrize("lockstep", [False, True])
-def test_missing_reports_are_not_warned_of_after_one_nor_in_lockstep(world, tracker, lockstep):
+def test_missing_reports_are_not_warned_of_after_one_nor_in_lockstep(
+    world, tracker, lockstep, start
+):
     logs = world.listen(Log, "/rosout")
-    world.controller(settle_time=0.0, state_timeout=60.0, lockstep=lockstep)
-    tracker.is_heard()
+    start(settle_time=0.0, lockstep=lockstep)
     if not lockstep:
-        world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+        tracker.reports_are_heard()
         tracker.reports("TRACKING")
         world.empty_queues()
     assert not warnings_of_missing_reports(world, tracker, logs)
 
 
 @pytest.mark.parametrize(("offset", "heading"), [(0.08, 0.0), (0.0, 0.15)])
-def test_a_cable_to_the_left_turns_the_vehicle_to_the_left(world, tracker, offset, heading):
-    world.controller(**PATIENT)
-    tracker.is_heard()
+def test_a_cable_to_the_left_turns_the_vehicle_to_the_left(tracker, offset, heading, start):
+    start()
     tracker.tells(offset, heading)
     assert tracker.commands[-1].linear.x > 0.3
     assert tracker.commands[-1].angular.z > 0.0
@@ -153,17 +174,15 @@ def test_a_cable_to_the_left_turns_the_vehicle_to_the_left(world, tracker, offse
     assert tracker.commands[-1].angular.z < 0.0
 
 
-def test_each_state_has_one_command(world, tracker):
-    world.controller(**PATIENT)
-    tracker.is_heard()
+def test_each_state_has_one_command(world, tracker, start):
+    start()
     tracker.tells(0.1, frames=8)
     world.pass_time(0.3)
     assert len(tracker.commands) == 8
 
 
-def test_a_state_waits_for_its_cross_track_and_odometry(world, tracker):
-    world.controller(**PATIENT)
-    tracker.is_heard()
+def test_a_state_waits_for_its_cross_track_and_odometry(world, tracker, start):
+    start()
     tracker.says_odometry()
     world.empty_queues()
     for _ in range(3):
@@ -178,46 +197,48 @@ def test_a_state_waits_for_its_cross_track_and_odometry(world, tracker):
     world.spin(lambda: tracker.commands)
 
 
-def test_in_lockstep_the_report_announces_whether_a_cross_track_comes(world, tracker):
-    world.controller(lockstep=True, settle_time=60.0)
-    tracker.is_heard()
-    for facts in ({"no_metres": "no camera calibration"}, {"offset": "0.1"}):
-        count = len(tracker.commands)
-        tracker.next_frame()
-        tracker.says_odometry()
-        tracker.says_state(claims=True)
-        world.pass_time(0.2)
-        assert len(tracker.commands) == count
-        tracker.reports(**facts)
-        if "offset" in facts:
-            world.pass_time(0.2)
-            assert len(tracker.commands) == count
-            tracker.says_cross_track(0.1, 0.0)
-        # Long before the time to settle is over.
-        world.spin(lambda count=count: len(tracker.commands) > count, 30.0)
+def test_in_lockstep_a_state_waits_for_the_report_of_its_frame(world, tracker, start):
+    start(lockstep=True)
+    tracker.next_frame()
+    tracker.says_odometry()
+    tracker.says_state(claims=True)
+    world.pass_time(0.2)
+    assert not tracker.commands
+    tracker.reports(no_metres="no camera calibration")
+    # Long before the time to settle is over.
+    world.spin(lambda: tracker.commands, 30.0)
 
 
-def test_waiting_for_a_cross_track_has_a_time_limit(world, tracker):
-    world.controller(settle_time=0.1, state_timeout=60.0)
-    tracker.is_heard()
+def test_in_lockstep_a_state_waits_for_the_cross_track_of_its_report(world, tracker, start):
+    start(lockstep=True)
+    tracker.next_frame()
+    tracker.says_odometry()
+    tracker.says_state(claims=True)
+    tracker.reports(offset="0.1")
+    world.pass_time(0.2)
+    assert not tracker.commands
+    tracker.says_cross_track(0.1, 0.0)
+    world.spin(lambda: tracker.commands, 30.0)
+
+
+def test_waiting_for_a_cross_track_has_a_time_limit(world, tracker, start):
+    start(settle_time=0.1)
     tracker.next_frame()
     tracker.says_state(claims=True)
     world.spin(lambda: tracker.commands)
     assert tracker.commands[0].linear.x == 0.0
 
 
-def test_a_lost_cable_stops_the_vehicle(world, tracker):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
+def test_a_lost_cable_stops_the_vehicle(tracker, start):
+    node = start()
     tracker.tells(0.0, frames=10)
     tracker.loses(10)
     assert node.mode is Mode.STOPPED
     assert (tracker.commands[-1].linear.x, tracker.commands[-1].angular.z) == (0.0, 0.0)
 
 
-def test_a_tracker_that_falls_silent_stops_the_vehicle(world, tracker):
-    world.controller(settle_time=60.0, state_timeout=0.3)
-    tracker.is_heard()
+def test_a_tracker_that_falls_silent_stops_the_vehicle(world, tracker, start):
+    start(state_timeout=0.3)
     tracker.tells(0.0, frames=CONFIRMATIONS + 1)
     # Where the machine is busy, it may have stopped between two frames as well.
     assert any(command.linear.x > 0.0 for command in tracker.commands)
@@ -225,12 +246,13 @@ def test_a_tracker_that_falls_silent_stops_the_vehicle(world, tracker):
 
 
 @pytest.mark.parametrize("status", ["DISABLED", "WARMING UP", "FROZEN INPUT"])
-def test_while_the_tracker_looks_at_nothing_the_vehicle_stands(world, tracker, diagnostics, status):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
+def test_while_the_tracker_looks_at_nothing_the_vehicle_stands(
+    world, tracker, status, start, statuses
+):
+    node = start()
     tracker.tells(0.0, frames=10)
     assert tracker.commands[-1].linear.x > 0.0
-    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.reports_are_heard()
     tracker.reports(status)
     world.empty_queues()
     for _ in range(30):
@@ -238,24 +260,23 @@ def test_while_the_tracker_looks_at_nothing_the_vehicle_stands(world, tracker, d
         tracker.says_state(claims=False)
         world.empty_queues()
     assert tracker.commands[-1] == Twist()
-    world.spin(lambda: [words for words, _ in diagnostics(node)][-1:] == [status])
+    world.spin(lambda: statuses(node)[-1:] == [status])
     tracker.reports("TRACKING")
     world.empty_queues()
     tracker.tells(0.0, frames=10)
     assert tracker.commands[-1].linear.x > 0.0
 
 
-def test_while_every_frame_is_refused_the_vehicle_stands(world, tracker, diagnostics):
-    node = world.controller(settle_time=60.0, state_timeout=0.5)
-    tracker.is_heard()
+def test_while_every_frame_is_refused_the_vehicle_stands(world, tracker, start, statuses):
+    node = start(state_timeout=0.5)
     tracker.tells(0.0, frames=10)
-    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.reports_are_heard()
 
-    def is_told_after_one_more() -> bool:
+    def is_reported_after_one_more() -> bool:
         tracker.refuses()
-        return [words for words, _ in diagnostics(node)][-1:] == ["REFUSED"]
+        return statuses(node)[-1:] == ["REFUSED"]
 
-    world.spin(is_told_after_one_more, 60.0)
+    world.spin(is_reported_after_one_more, 60.0)
     assert tracker.commands[-1] == Twist()
     tracker.reports("TRACKING")
     world.empty_queues()
@@ -263,21 +284,19 @@ def test_while_every_frame_is_refused_the_vehicle_stands(world, tracker, diagnos
     assert any(command.linear.x > 0.0 for command in tracker.commands[-10:])
 
 
-def test_one_refused_frame_does_not_stop_the_vehicle(world, tracker, diagnostics):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
+def test_one_refused_frame_does_not_stop_the_vehicle(tracker, start, statuses):
+    node = start()
     tracker.tells(0.0, frames=10)
-    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.reports_are_heard()
     tracker.refuses()
     assert tracker.commands[-1].linear.x > 0.0
-    assert "REFUSED" not in [words for words, _ in diagnostics(node)]
+    assert "REFUSED" not in statuses(node)
 
 
 @pytest.mark.parametrize("is_sent_twice", [False, True])
-def test_a_cable_that_refused_frames_come_between_is_followed(world, tracker, is_sent_twice):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
-    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+def test_a_cable_that_refused_frames_come_between_is_followed(world, tracker, is_sent_twice, start):
+    node = start()
+    tracker.reports_are_heard()
     for _ in range(CONFIRMATIONS):
         assert node.mode is Mode.WAITING
         tracker.next_frame()
@@ -294,10 +313,9 @@ def test_a_cable_that_refused_frames_come_between_is_followed(world, tracker, is
     assert node.mode is Mode.FOLLOWING
 
 
-def test_a_frame_that_comes_twice_waits_for_what_came_with_the_first(world, tracker):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
-    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+def test_a_frame_that_comes_twice_waits_for_what_came_with_the_first(world, tracker, start):
+    node = start()
+    tracker.reports_are_heard()
     tracker.says_odometry()
     tracker.reports("TRACKING", offset="0.0")
     tracker.says_state(claims=True)
@@ -310,67 +328,66 @@ def test_a_frame_that_comes_twice_waits_for_what_came_with_the_first(world, trac
     assert node.mode is Mode.WAITING
 
 
-def test_a_state_of_a_time_that_no_message_has_room_for_ends_nothing(world, tracker, diagnostics):
+def test_a_state_of_a_time_that_no_message_has_room_for_ends_nothing(world, tracker, statuses):
     node = world.controller(settle_time=0.0, state_timeout=0.5)
     node.on_state(JointState(header=Header(stamp=Time(sec=2**31 - 1, nanosec=10**9))))
-    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
+    world.spin(lambda: statuses(node) == ["NO STATE"])
     assert not tracker.commands
 
 
-def test_a_state_of_such_a_time_is_silence_for_a_vehicle_that_moves(world, tracker, diagnostics):
-    node = world.controller(settle_time=60.0, state_timeout=2.0)
-    tracker.is_heard()
+def test_a_state_of_such_a_time_is_silence_for_a_vehicle_that_moves(
+    world, tracker, start, statuses
+):
+    node = start(state_timeout=2.0)
     tracker.tells(0.0, frames=10)
     assert any(command.linear.x > 0.0 for command in tracker.commands)
 
-    def is_told_after_one_more() -> bool:
+    def is_reported_after_one_more() -> bool:
         node.on_state(JointState(header=Header(stamp=Time(sec=2**31 - 1, nanosec=10**9))))
-        return [words for words, _ in diagnostics(node)][-1:] == ["NO STATE"]
+        return statuses(node)[-1:] == ["NO STATE"]
 
-    world.spin(is_told_after_one_more, 60.0)
+    world.spin(is_reported_after_one_more, 60.0)
     assert tracker.commands[-1] == Twist()
 
 
-def test_a_change_of_mode_is_in_the_diagnostics(world, tracker, diagnostics):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
+def test_a_change_of_mode_is_in_the_diagnostics(world, tracker, start, statuses):
+    node = start()
     tracker.tells(0.0)
-    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["WAITING", "FOLLOWING"])
+    world.spin(lambda: statuses(node) == ["WAITING", "FOLLOWING"])
 
 
-def test_a_tracker_that_falls_silent_is_in_the_diagnostics(world, tracker, diagnostics):
-    node = world.controller(settle_time=60.0, state_timeout=0.3)
-    tracker.is_heard()
+def test_a_tracker_that_falls_silent_is_in_the_diagnostics(
+    world, tracker, diagnostics, start, statuses
+):
+    node = start(state_timeout=0.3)
     tracker.tells(0.0, frames=CONFIRMATIONS + 1)
-    world.spin(lambda: [words for words, _ in diagnostics(node)][-1:] == ["NO STATE"])
+    world.spin(lambda: statuses(node)[-1:] == ["NO STATE"])
     count = len(diagnostics(node))
     tracker.tells(0.0, frames=1)
-    world.spin(lambda: [words for words, _ in diagnostics(node)][count:][:1] == ["FOLLOWING"])
+    world.spin(lambda: statuses(node)[count:][:1] == ["FOLLOWING"])
 
 
-def test_silence_and_a_disabled_tracker_are_both_in_the_diagnostics(world, tracker, diagnostics):
-    node = world.controller(settle_time=60.0, state_timeout=0.3)
-    tracker.is_heard()
-    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
-    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+def test_silence_and_a_disabled_tracker_are_both_in_the_diagnostics(
+    world, tracker, start, statuses
+):
+    node = start(state_timeout=0.3)
+    world.spin(lambda: statuses(node) == ["NO STATE"])
+    tracker.reports_are_heard()
     tracker.reports("DISABLED")
     world.empty_queues()
     tracker.next_frame()
     tracker.says_state(claims=False)
-    world.spin(
-        lambda: [words for words, _ in diagnostics(node)] == ["NO STATE", "DISABLED", "NO STATE"]
-    )
+    world.spin(lambda: statuses(node) == ["NO STATE", "DISABLED", "NO STATE"])
 
 
-def test_before_the_first_state_nothing_is_commanded(world, tracker, diagnostics):
+def test_before_the_first_state_nothing_is_commanded(world, tracker, statuses):
     node = world.controller(settle_time=60.0, state_timeout=0.1)
-    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
+    world.spin(lambda: statuses(node) == ["NO STATE"])
     assert not tracker.commands
 
 
-def test_a_controller_that_ends_stops_the_vehicle(world, tracker):
-    node = world.controller(**PATIENT)
-    tracker.is_heard()
+def test_a_controller_that_ends_stops_the_vehicle(world, tracker, start):
+    node = start()
     tracker.tells(0.0)
     assert tracker.commands[-1].linear.x > 0.0
     world.remove(node)
