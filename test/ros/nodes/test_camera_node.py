@@ -504,13 +504,42 @@ class TestOverDds:
         assert node.statistics.refused == 3
 
 
+class SlowWarmUp:
+    """Runs as long as `running`, and ends with `error` if there is one."""
+
+    seconds = 3.0
+
+    def __init__(self) -> None:
+        self.running = True
+        self.error: Exception | None = None
+        self.variants: list[Any] = []
+        self.abandoned = 0
+
+    def __call__(self, variant: Any, run: Any) -> SlowWarmUp:
+        self.variants.append(variant)
+        return self
+
+    def abandon(self) -> None:
+        self.abandoned += 1
+
+    def finish(self) -> None:
+        if self.error is not None:
+            raise self.error
+
+
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch) -> SlowWarmUp:
+    """The warm-up of every node that is made, or changed, from now on."""
+    warm_up = SlowWarmUp()
+    monkeypatch.setattr(tracker_node, "WarmUp", warm_up)
+    return warm_up
+
+
 @pytest.mark.slow
 class TestWarmUp:
     def test_no_frame_is_asked_for_before_the_node_is_warm(
-        self, world: Any, monkeypatch: pytest.MonkeyPatch, diagnostics: Make
+        self, world: Any, slow: SlowWarmUp, diagnostics: Make
     ) -> None:
-        slow = SlowWarmUp()
-        monkeypatch.setattr(tracker_node, "WarmUp", slow)
         node = world.cold_tracker(diagnostics_period=0.05)
         world.spin(lambda: diagnostics(node))
         assert diagnostics(node)[-1][0] == node.status == "WARMING UP"
@@ -539,10 +568,8 @@ class TestWarmUp:
         assert node.status == "TRACKING"
 
     def test_a_change_during_the_first_warm_up_is_warmed_up_before_the_first_frame(
-        self, world: Any, monkeypatch: pytest.MonkeyPatch
+        self, world: Any, slow: SlowWarmUp
     ) -> None:
-        slow = SlowWarmUp()
-        monkeypatch.setattr(tracker_node, "WarmUp", slow)
         node = world.cold_tracker()
         assert node.set_parameters([Parameter("filter", value="bootstrap")])[0].successful
         first, second = slow.variants
@@ -552,36 +579,10 @@ class TestWarmUp:
         slow.running = False
         world.spin(lambda: node.status == "INITIALISING")
 
-    def test_an_error_of_the_compiler_is_not_hidden(
-        self, world: Any, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        slow = SlowWarmUp(ZeroDivisionError("no code"))
-        monkeypatch.setattr(tracker_node, "WarmUp", slow)
+    def test_an_error_of_the_compiler_is_not_hidden(self, world: Any, slow: SlowWarmUp) -> None:
+        slow.error = ZeroDivisionError("no code")
         node = world.cold_tracker()
         slow.running = False
         with pytest.raises(ZeroDivisionError, match="no code"):
             node.on_watchdog()
         slow.error = None
-
-
-class SlowWarmUp:
-    """Takes until it is told that it is done."""
-
-    seconds = 3.0
-
-    def __init__(self, error: Exception | None = None) -> None:
-        self.running = True
-        self.error = error
-        self.variants: list[Any] = []
-        self.abandoned = 0
-
-    def __call__(self, variant: Any, run: Any) -> SlowWarmUp:
-        self.variants.append(variant)
-        return self
-
-    def abandon(self) -> None:
-        self.abandoned += 1
-
-    def finish(self) -> None:
-        if self.error is not None:
-            raise self.error
