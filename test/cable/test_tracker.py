@@ -124,39 +124,31 @@ def test_the_covariance_is_of_the_size_of_the_errors(dive):
 
 
 @pytest.fixture
-def asked(monkeypatch) -> list:
-    """What the detector, which proposes nothing, is told in each frame in which it is asked."""
-    told = []
+def searches(monkeypatch) -> list[bool]:
+    """For each frame that a detector without proposals is shown, whether it is to search."""
+    shown = []
 
     def propose(self, image, *, is_searching):
-        told.append(is_searching)
+        shown.append(is_searching)
         return np.empty((0, 4))
 
     monkeypatch.setattr(LinePairProposer, "propose", propose)
-    return told
+    return shown
 
 
-def asked_after(tracker, asked, given, strip) -> list:
-    """Return what the detector is told in five frames after something was given."""
-    tracker.initialise(given)
-    before = len(asked)
-    run(tracker, stamped([strip] * 5, first=START + 3 * FRAME))
-    return asked[before:]
+def test_a_detector_searches_while_no_cable_is_known(searches):
+    run(CableTracker(), stamped([np.full((120, 160), 90, np.uint8)] * 3))
+    assert searches == [True] * 3
 
 
-def test_a_detector_learns_whether_a_cable_is_searched_for(strip_picture, asked):
-    tracker = CableTracker(TrackerParameters())
-    empty, strip = np.full((120, 160), 90, np.uint8), strip_picture
-    run(tracker, stamped([empty] * 3))
-    assert asked == [True] * 3
-    guessed = GivenState.around(STRIP, is_guess=True)
-    assert asked_after(tracker, asked, guessed, strip) == [False] * 5
-
-
-def test_a_detector_is_not_asked_beside_a_known_cable(strip_picture, asked):
-    tracker = CableTracker(TrackerParameters())
-    run(tracker, stamped([np.full((120, 160), 90, np.uint8)] * 3))
-    assert asked_after(tracker, asked, GivenState.around(STRIP), strip_picture) == []
+@pytest.mark.parametrize(("is_guess", "shown"), [(True, [False] * 5), (False, [])])
+def test_a_detector_does_not_search_beside_a_guess_and_is_shown_nothing_beside_a_given_cable(
+    strip_picture, searches, is_guess, shown
+):
+    tracker = CableTracker()
+    tracker.initialise(GivenState.around(STRIP, is_guess=is_guess))
+    run(tracker, stamped([strip_picture] * 5))
+    assert searches == shown
 
 
 def shadow_of_a_frame(frames=30) -> list:
@@ -516,18 +508,14 @@ def test_a_cable_across_the_image_is_followed_over_the_wrap(draw_strip, name, to
 
 
 @pytest.mark.parametrize("name", ["default", "thesis"])
-@pytest.mark.parametrize("kind", ["told", "random"])
-def test_a_single_particle_gives_sound_estimates(strip_picture, noise_pictures, name, kind):
+@pytest.mark.parametrize("is_given", [True, False], ids=["given", "searched for"])
+def test_a_single_particle_gives_sound_estimates(strip_picture, noise_pictures, name, is_given):
     # What the particles alone are unsure of: no displacement, and no map to disagree with.
     alone = {"particle_count": 1, "border_displacement": 0.0, "looks": "borders"}
     tracker = CableTracker(preset(name).replaced(alone))
-    if kind == "told":
+    if is_given:
         tracker.initialise(GivenState.around(STRIP))
-    frames = [
-        *stamped([strip_picture] * 20),
-        *stamped(noise_pictures(15), START + 20 * FRAME),
-    ]
-    for estimate in run(tracker, frames):
+    for estimate in run(tracker, stamped([strip_picture] * 20 + noise_pictures(15))):
         assert_sound(estimate, 1)
         assert estimate.effective_sample_size == 1.0
         np.testing.assert_allclose(estimate.covariance, 0.0, atol=1e-9)

@@ -41,8 +41,8 @@ def shifts_of(before, after, pose=UPRIGHT, scale=1.0):
 
 @given(st.floats(-12.0, 12.0), st.floats(-12.0, 12.0))
 def test_the_shift_of_both_sides_is_measured(right, up):
-    told = shifts_of(ground(), ground(right, up))
-    np.testing.assert_allclose(told, [[right, up]] * 2, atol=1.5)
+    shifts = shifts_of(ground(), ground(right, up))
+    np.testing.assert_allclose(shifts, [[right, up]] * 2, atol=1.5)
 
 
 def test_patches_lie_to_either_side_and_clear_of_the_strip():
@@ -68,8 +68,8 @@ def test_without_room_on_either_side_there_are_no_patches(pose):
 
 
 def test_at_the_edge_of_the_picture_the_shift_of_one_side_is_measured():
-    told = shifts_of(ground(), ground(5.0, -3.0), pose=np.array([150.0, 0.0, 20.0, 0.0]))
-    np.testing.assert_allclose(told, [[5.0, -3.0]], atol=1.5)
+    shifts = shifts_of(ground(), ground(5.0, -3.0), pose=np.array([150.0, 0.0, 20.0, 0.0]))
+    np.testing.assert_allclose(shifts, [[5.0, -3.0]], atol=1.5)
 
 
 def test_a_picture_smaller_than_a_patch_has_no_room():

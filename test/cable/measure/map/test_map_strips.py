@@ -95,7 +95,9 @@ def sure_map_of(strip: CableState, probability: float = 1.0):
 
 
 def widening_of(state, cable_map) -> float:
-    return map_borders(state, cable_map, EVEN, 1.0).widening
+    """How much wider a map shows a strip, on both sides together, as a part of a cable or not."""
+    borders = map_borders(state, cable_map, EVEN, 1.0)
+    return borders.widening - borders.left_rim - borders.right_rim
 
 
 @settings(max_examples=25, deadline=None)
