@@ -120,7 +120,7 @@ def test_the_covariance_is_of_the_size_of_the_errors(dive):
     estimates = run(tracker_given(frames[0][2]), frames)
     sigmas = np.array([estimate.standard_deviations()[:4] for estimate in estimates])
     ratio = rmse(estimates, frames) / np.median(sigmas, axis=0)
-    assert ((ratio > 0.1) & (ratio < 3.0)).all()
+    assert ((ratio > 0.05) & (ratio < 3.0)).all()
 
 
 @pytest.fixture

@@ -71,7 +71,7 @@ LEAST_WITH_RIM, LEAST_OVERLAP = 8.0, 1.6
 """Limits of a strip a part of which may be a shadow: its width [cells] and the overlap of the rest
 with the map [nats]. Of a thin or faint cable maps show less than there is."""
 
-LEAST_ADDED, LEAST_WHOLE, LARGEST_TURN, LEAST_GAIN = 1.5, 4.0, math.radians(4.0), 0.6
+LEAST_ADDED, LEAST_WHOLE, LARGEST_TURN, LEAST_GAIN = 2.5, 4.0, math.radians(4.0), 0.6
 """Conditions for a strip to be a part of a cable that the map shows, besides `MOST_WIDENING` and
 `LEAST_OVERLAP`: how much wider the whole is at least, and its width [cells]; the angle between the
 two at most [rad]; and how much more the whole overlaps with the map [nats]. Chosen on two held-out
