@@ -2,11 +2,11 @@ import asyncio
 
 import numpy as np
 import pytest
+from stub_session import StubSession
 
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 from socket_end import Browser
-from stub_session import StubSession
 
 from cable_tracker.gui.session.session import CableSnapshot
 from cable_tracker.gui.tracking.picture_feed import PictureFeed

@@ -4,6 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.session.session import CableSnapshot, TargetSnapshot

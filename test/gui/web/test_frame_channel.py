@@ -9,6 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from socket_end import Browser
 
 from cable_tracker.gui.web.frame_channel import (
@@ -20,8 +23,6 @@ from cable_tracker.gui.web.frame_channel import (
 )
 
 from ..conftest import unpack
-
-pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 TABLES = arrays.arrays(
     np.float32,

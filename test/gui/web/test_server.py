@@ -7,6 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from cable_tracker.errors import GuiError
 from cable_tracker.gui.web.server import (
     Channels,
@@ -18,8 +20,6 @@ from cable_tracker.gui.web.server import (
 )
 
 from ..conftest import Running
-
-pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 
 def test_a_port_that_is_taken_is_named():
