@@ -59,7 +59,8 @@ RESOLVED_WIDENING = 0.5
 """Widening by maps that is less than they resolve [px at the reference width]."""
 
 SHADOW_DOUBT = 0.4
-"""Standard deviation of the width of a shadow that is taken off, as a share of it."""
+"""Standard deviation of the width of a shadow that is taken off, or of a part that is added, as a
+share of it."""
 
 MAP_DOUBT, MOST_MAP_DOUBT, SMALLEST_OVERLAP = 0.57, 0.2, 0.1
 """Sigma of a border over its distance from that of the map, its upper bound as a share of the
@@ -89,7 +90,7 @@ def leading_estimate(
         parameters,
         frame_scale,
     )
-    # A map resolves a shadow to one cell at best, and mostly shows it too narrow.
+    # A map resolves a shadow, or what lies beyond a stripe, to one cell at best.
     doubts = SHADOW_DOUBT * np.array([by_map.left_rim, by_map.right_rim])
     variances = doubts**2 + map_doubt(hypotheses) ** 2
     offsets = POSE_OF_BORDERS[:, :2]
@@ -123,7 +124,7 @@ def _estimated(
 ) -> FloatArray:
     """Return a cluster's mean (8,) with the width that the cable has, not that of its borders.
 
-    Shadows beside it, which `by_map` tells, are no part of it.
+    Shadows beside it, which `by_map` tells, are no part of it; what lies beyond a stripe is.
     """
     state = mean.copy()
     width = width_before_smoothing(float(state[WIDTH]), parameters, frame_scale)

@@ -319,8 +319,9 @@ class TrackerParameters(ParameterSet):
         1.0,
         "Share of the width that the network's maps show beyond the cable's borders that is"
         " added to its width: round and overgrown cables are wider than their clearest borders."
-        " Above 0, a dark shadow along a border, which maps leave out, is subtracted. 0: the"
-        " width between the borders.",
+        " Above 0, a dark shadow along a border, which maps leave out, is subtracted, and where"
+        " the borders are those of a stripe or flank, the cable that the map shows replaces it."
+        " 0: the width between the borders.",
     )
     detector_share: float = number(
         0.2,
